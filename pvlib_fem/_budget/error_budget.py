@@ -106,14 +106,14 @@ def budget_of(
     out = rows & within(case.whole.dates, stretches)
     apart = residual[out] @ residual[out] / max(rows.sum(), 1)
     usual = (rows & ~out).sum() / max(rows.sum(), 1)
-    scales = left_by_scale(case.whole, residual, rows & ~out)
+    scales = residual_by_scale(case.whole, residual, rows & ~out)
     scales = {name: usual * square for name, square in scales.items()}
-    steady, left = squares.iloc[0], apart + sum(scales.values())
+    steady, remaining = squares.iloc[0], apart + sum(scales.values())
     taken = -squares.diff().iloc[1:]
     budget = [
         ("steady", "start", steady, weeks),
         *((name, "taken", square, weeks) for name, square in taken.items()),
-        ("left", "left", left, weeks),
+        ("left", "left", remaining, weeks),
         *(
             [("on days that stand out", "episodes", apart, weeks)]
             * bool(len(stretches))
@@ -148,7 +148,7 @@ def budget_weeks(
     )
 
 
-def left_by_scale(record: Record, residual: np.ndarray, rows: np.ndarray) -> dict:
+def residual_by_scale(record: Record, residual: np.ndarray, rows: np.ndarray) -> dict:
     """Mean square of the residual on some rows, by time scale."""
     hours = record.index[rows].hour.to_numpy()
     times = record.inputs.seconds[rows], record.inputs.step

@@ -68,17 +68,19 @@ def daily_means(
 
 def stretches(values: np.ndarray, days: np.ndarray, chance: float) -> list:
     """From and to (exclusive) of each stretch of a series."""
-    found, left = [], np.arange(len(values))
+    found, remaining = [], np.arange(len(values))
     for _ in range(MOST):
-        if len(left) < FEWEST:
+        if len(remaining) < FEWEST:
             break
-        new = at_once(values[left], days[left], chance)
+        new = at_once(values[remaining], days[remaining], chance)
         if not new:
             break
-        found += [(int(left[start]), int(left[end - 1]) + 1) for start, end in new]
+        found += [
+            (int(remaining[start]), int(remaining[end - 1]) + 1) for start, end in new
+        ]
         # the usual level changes without these days, so the others are searched again
         gone = np.concatenate([np.arange(start, end) for start, end in new])
-        left = np.delete(left, gone)
+        remaining = np.delete(remaining, gone)
     return found
 
 

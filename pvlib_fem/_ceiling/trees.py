@@ -74,27 +74,27 @@ def regressor() -> type:
 
 @dataclass(frozen=True, eq=False)
 class Trees:
-    """What the model without findings leaves of rows, the fitting ones first."""
+    """Residual of the model without findings, the fitting rows first."""
 
-    left: np.ndarray  # [K]
+    residual: np.ndarray  # [K]
     fitting: int  # rows
     out: np.ndarray  # fitting rows that give the number of trees
 
     def best(self, columns: dict) -> int:
         """The number of trees with which the rows left out are described best."""
         table, kept = stacked(columns)[: self.fitting], ~self.out
-        left = self.left[: self.fitting]
-        grown = regressor()(max_iter=MOST_TREES, **HOW).fit(table[kept], left[kept])
+        residual = self.residual[: self.fitting]
+        grown = regressor()(max_iter=MOST_TREES, **HOW).fit(table[kept], residual[kept])
         steps = grown.staged_predict(table[self.out])
-        return 1 + int(np.argmin([rmse(step, left[self.out]) for step in steps]))
+        return 1 + int(np.argmin([rmse(step, residual[self.out]) for step in steps]))
 
     def error(self, columns: dict, count: int) -> float:
         """RMSE of so many trees on the test rows. [K]"""
         table, fitting = stacked(columns), slice(self.fitting)
         grown = regressor()(max_iter=count, **HOW)
-        grown.fit(table[fitting], self.left[fitting])
+        grown.fit(table[fitting], self.residual[fitting])
         test = slice(self.fitting, None)
-        return float(rmse(grown.predict(table[test]), self.left[test]))
+        return float(rmse(grown.predict(table[test]), self.residual[test]))
 
 
 def stacked(columns: dict) -> np.ndarray:

@@ -134,7 +134,7 @@ def layouts_of(options: Mapping[str, Any], files: Sequence[Path]) -> list[Layout
         values[name] = list(given) or [default]
         values[name] *= len(files) if len(values[name]) == 1 else 1
     values["time"] = [tuple(t.split(",")) if t else () for t in values["time"]]
-    values["skip_rows"] = left_out(options, values.pop("skip_lines"), values)
+    values["skip_rows"] = skipped_lines(options, values.pop("skip_lines"), values)
     values["sep"] = ["\t" if sep == r"\t" else sep for sep in values["sep"]]
     if wrong := [text for text in values["decimal"] if len(text) != 1]:
         raise bad(wrong[0], "--decimal", "is not one sign")
@@ -145,7 +145,7 @@ def layouts_of(options: Mapping[str, Any], files: Sequence[Path]) -> list[Layout
     ]
 
 
-def left_out(
+def skipped_lines(
     options: Mapping[str, Any], lines: Sequence[str], values: Mapping[str, list[Any]]
 ) -> list[int | tuple[int, ...]]:
     """The lines before the header of each file, or those that are left out."""

@@ -94,8 +94,8 @@ class FileFit(FemFit):
         record: Any = self.record
         inputs = model.with_drivers(record.inputs)
         modelled = model.temperature(inputs, model.completed(self.coefficients))
-        left = pd.Series(record["temp_module"] - modelled, record.index)
-        fit = FemFit(**own, residual=left.rename("residual"))
+        residual = pd.Series(record["temp_module"] - modelled, record.index)
+        fit = FemFit(**own, residual=residual.rename("residual"))
         vars(fit)["summary"] = self.summary
         return fit
 

@@ -9,7 +9,11 @@ from scipy.stats import t as student
 from pvlib_fem._fitting.daily import directions, tied_names
 from pvlib_fem._fitting.tangent_shift import R_EQ, Minimum, in_time, moved
 from pvlib_fem._fitting.time_constant import lag
-from pvlib_fem._statistics.clusters import FEWEST_DAYS, days_left_out, submatrices
+from pvlib_fem._statistics.clusters import (
+    FEWEST_DAYS,
+    jackknife_covariance,
+    submatrices,
+)
 from pvlib_fem._thermal.model import MEMORY, ThermalModel
 from pvlib_fem.effects import several
 
@@ -160,7 +164,7 @@ def solution(
     inverse, unknown = directions(normals.sum(axis=0))
     shift = inverse @ clusters[:, kept, -1].sum(axis=0)
     scores = clusters[:, kept, -1] - normals @ shift
-    covariance = days_left_out(normals, scores, inverse) / np.outer(scale, scale)
+    covariance = jackknife_covariance(normals, scores, inverse) / np.outer(scale, scale)
     tied = tied_names(minimum.names, unknown)
     if {*tied} & {*minimum.steady}:
         tied.append(R_EQ)

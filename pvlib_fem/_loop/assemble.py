@@ -84,7 +84,7 @@ def outcome(search: "Search", last: Step, base: str) -> Loop:
         for f in search.findings
     ]
     findings = [*findings, *search.refused]
-    ranking, more, unseen = left_over(search, findings, tables)
+    ranking, more, unseen = rank_remaining(search, findings, tables)
     raw = search.start
     first = search.steps[base]
     before = pd.Series(first.measured - first.temperature, record.index)
@@ -124,7 +124,7 @@ def repeatable(search: "Search", last: Step) -> list[Table]:
     return repeated(search.fits, last, search.last.selection.least)
 
 
-def left_over(
+def rank_remaining(
     search: "Search", findings: list[Finding], tables: list[Table]
 ) -> tuple[Ranking, list[Finding], dict[str, Because]]:
     """The ranking, all findings, and why the others could not be seen, by name."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from pvlib_fem._findings import Check, Correction
 from pvlib_fem._loop.refit_checks import rise, rise_check
-from pvlib_fem.quality._module_lag import Clock, left_open
+from pvlib_fem.quality._module_lag import Clock, error_with_step
 from pvlib_fem.reasons import Reason, because
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def described(clock: Clock, before: float, after: float, check: Check) -> Correc
     stderr: dict[str, float] = {}
     if {"clock_shift", "clock_drift"} & set(clock.faults):
         values["late"] = clock.late / 60.0
-        stderr["late"] = left_open(clock.stderr, clock.limit) / 60.0
+        stderr["late"] = error_with_step(clock.stderr, clock.limit) / 60.0
     if "clock_drift" in clock.faults:
         values["drift"] = clock.drift
         stderr["drift"] = clock.drift_stderr

@@ -334,8 +334,8 @@ class Design:
         """Ways to sort the cells."""
         return [*axes(self.places, self.days)]
 
-    def left_by(self, columns: Sequence["Column"]) -> np.ndarray:
-        """What some columns leave of the residual in the cells. [K]"""
+    def residual_given(self, columns: Sequence["Column"]) -> np.ndarray:
+        """Residual of a fit of some columns, by cell. [K]"""
         table = np.column_stack([self.values(c) for c in columns])
         return self.cells[:, 0] - table @ solve(self.whole(columns))
 

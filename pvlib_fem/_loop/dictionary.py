@@ -279,7 +279,7 @@ def first_days(
 
 def trusted(design: "Design", given: Sequence[Column]) -> np.ndarray:
     """How much each day counts: less, where some columns leave much of it."""
-    rest = design.left_by(given)
+    rest = design.residual_given(given)
     squares = np.add.reduceat(rest**2 * design.rows, design.first)
     remaining = np.sqrt(squares / np.add.reduceat(design.rows, design.first))
     most = USUAL * np.median(remaining)

@@ -138,7 +138,7 @@ def misfits(
     """
     if not fall > 0.0 or one.effect.confounder:
         return []
-    rest = design.left_by([*given, *one.beyond(given)])
+    rest = design.residual_given([*given, *one.beyond(given)])
     if one.effect.sensor_fault:
         tables = [of_hours(design, one, rest)]
     else:
@@ -301,7 +301,7 @@ def random_effects(
         Cells.of(kind, design.rows, design.weeks)
         for kind in usual_tables({axis.name: axis for axis in design.axes})
     ]
-    rest = design.left_by(given)
+    rest = design.residual_given(given)
     tables: list[Table] = []
     while len(tables) < MOST_TABLES:
         table = largest(kinds, rest, least)

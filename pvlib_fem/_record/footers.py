@@ -27,7 +27,7 @@ class RowGroup:
     first: pd.Timestamp  # of its rows, in UTC
     last: pd.Timestamp
     nulls: int = 0  # rows that hold no time
-    left: tuple = ()  # rows that are not read, since they have none
+    dropped: tuple = ()  # rows that are not read, since they have none
     late: tuple = ()  # rows that a clock shows for the second time
 
 

@@ -117,25 +117,25 @@ def guess(
         layout, raw = with_times_only(raw, layout, found.doubts, file.name)
         layout, raw = with_cells(file, layout, raw, found.doubts)
         index = index_of(raw, layout)
-        left = raw.drop(columns=time_columns(raw, layout))
+        columns = raw.drop(columns=time_columns(raw, layout))
         if layout.tz is None and index is not None:
-            sun = sunny(left)
+            sun = sunny(columns)
             zone = zone_of(index, place, sun, found.doubts)
             if index.tz is not None:
                 zone = zone_of_offsets(written(raw, layout), index)
             layout = replace(layout, tz=zone)
         found.layouts.append(in_order(raw, layout, file.name))
-        for column in left:
+        for column in columns:
             name = f"{column} ({file.name})" if column in data else column
-            data[name], units[name] = left[column], below.get(column, "")
+            data[name], units[name] = columns[column], below.get(column, "")
     found.columns = mapped(data, found.columns, tuple(NAMES), found.doubts)
     by_the_sun(data, found)
     if sensors:
         all_modules(data, found)
     taken = found.columns.values()
     found.free = [str(column) for column in data if column not in taken]
-    left = {column: data[column] for column in data if column not in taken}
-    found.unused = unused(left, found.there)
+    not_taken = {column: data[column] for column in data if column not in taken}
+    found.unused = unused(not_taken, found.there)
     in_units(found, data, units)
     if check is not None:
         by_evidence(found, files, how or {}, check)
@@ -326,8 +326,8 @@ def exchange(found: Guess, why: str) -> None:
     )
 
 
-def sunny(left: pd.DataFrame) -> np.ndarray | None:
+def sunny(columns: pd.DataFrame) -> np.ndarray | None:
     """The column that looks like irradiance, or None."""
-    column = mapped(dict(left.items()), {}, ("poa_global",), []).get("poa_global")
-    column = "poa_global" if "poa_global" in left else column
-    return None if column is None else left[column].to_numpy(float)
+    column = mapped(dict(columns.items()), {}, ("poa_global",), []).get("poa_global")
+    column = "poa_global" if "poa_global" in columns else column
+    return None if column is None else columns[column].to_numpy(float)

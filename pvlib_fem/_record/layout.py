@@ -174,12 +174,12 @@ def outside(rows: list, decimal: str) -> Any:
     if not above:
         return {}, {}
     header = header_of(rows, above)
-    left = tuple(i for i in range(first) if i not in header)
+    skipped = tuple(i for i in range(first) if i not in header)
     below = [rows[i] for i in range(header[-1] + 1, first) if len(rows[i]) == width]
     names = joined_labels(merged([rows[i] for i in header]))
     units = zip(names, below[0]) if below else ()
     units = {column: unit.strip() for column, unit in units if unit.strip()}
-    skip = header[0] if left == tuple(range(header[0])) else left
+    skip = header[0] if skipped == tuple(range(header[0])) else skipped
     return dict(skip_rows=skip, header_rows=len(header)), units
 
 

@@ -258,15 +258,15 @@ class ParquetRecord:
         """Files and batches in the order of time; rows that a clock shows again."""
         for file, some in itertools.groupby(self.groups, lambda group: group.file):
             groups, start = list(some), 0
-            left, late = in_file(groups)
+            dropped, late = in_file(groups)
             numbers = [group.number for group in groups]
             how = dict(batch_size=rows or ROWS, row_groups=numbers, columns=columns)
             with parquet_file(file, self.filesystem) as opened:
                 for batch in opened.iter_batches(**how):
                     here = np.arange(start, start + batch.num_rows)
                     start += batch.num_rows
-                    if len(left):
-                        here = here[kept := ~np.isin(here, left)]
+                    if len(dropped):
+                        here = here[kept := ~np.isin(here, dropped)]
                         batch = batch.filter(kept)
                     if batch.num_rows:
                         yield file, batch, np.isin(here, late)

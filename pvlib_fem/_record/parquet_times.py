@@ -94,8 +94,8 @@ def without_nulls(group: Any, times_of: Any) -> Any:
     if not group.nulls:
         return group
     missing = np.isnat(times_of(group))
-    left = tuple(np.flatnonzero(missing).tolist())
-    return replace(group, rows=group.rows - len(left), left=left)
+    dropped = tuple(np.flatnonzero(missing).tolist())
+    return replace(group, rows=group.rows - len(dropped), dropped=dropped)
 
 
 def in_the_zone(run: Any, times_of: Any, tz: str) -> Any:
@@ -121,7 +121,7 @@ def in_the_zone(run: Any, times_of: Any, tz: str) -> Any:
                 rows=int(has.sum()),
                 first=pd.Timestamp(ends.min()),
                 last=pd.Timestamp(ends.max()),
-                left=tuple(np.flatnonzero(~has).tolist()),
+                dropped=tuple(np.flatnonzero(~has).tolist()),
                 late=tuple(np.flatnonzero(second).tolist()),
             )
         )
@@ -130,9 +130,9 @@ def in_the_zone(run: Any, times_of: Any, tz: str) -> Any:
 
 def in_file(groups: list) -> tuple[np.ndarray, np.ndarray]:
     """Rows of a file's row groups that are dropped, and that are late."""
-    left, late, start = [], [], 0
+    dropped, late, start = [], [], 0
     for group in groups:
-        left += [start + row for row in group.left]
+        dropped += [start + row for row in group.dropped]
         late += [start + row for row in group.late]
-        start += group.rows + len(group.left)
-    return np.array(left, dtype=int), np.array(late, dtype=int)
+        start += group.rows + len(group.dropped)
+    return np.array(dropped, dtype=int), np.array(late, dtype=int)

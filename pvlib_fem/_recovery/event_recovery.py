@@ -134,8 +134,8 @@ class Event:
     times: pd.DatetimeIndex
     hours: int
     size: float
-    light: float  # that is left, or of an outage, that heats as if it were
-    power: float  # that is left
+    light: float  # that remains, or of an outage, that heats as if it were
+    power: float  # that remains
     change: np.ndarray  # of the module's temperature [K]
 
     def row(self, events: Any) -> Any:
@@ -225,16 +225,16 @@ class Plant:
         low, high = HEATS if name == "outage" else LOSES
         if not low <= share <= high:
             return None
-        left = 1.0 - share
-        power = 0.0 if name == "outage" else left ** (1 + number % 2)
+        light = 1.0 - share
+        power = 0.0 if name == "outage" else light ** (1 + number % 2)
         change = share * self.dark[rows]
         times, step = self.record.index[rows], self.record.inputs.step
         hours = round(len(rows) * step / 3600.0)
         if name == "sensor_covered":
             power, change = 1.0, 0.0 * change
         elif name == "outage":
-            left, change = 1.0, -change
-        return Event(name, rows, times, hours, size, left, power, change)
+            light, change = 1.0, -change
+        return Event(name, rows, times, hours, size, light, power, change)
 
     def put(self, data: pd.DataFrame, event: Any) -> None:
         """Change a frame by an event, in place."""

@@ -113,13 +113,13 @@ class ClusterSums:
         whole = normals.sum(axis=0)
         inverse = np.linalg.inv(whole + ridge(whole))
         scores = sums[:, kept, -1] - normals @ self.solve(kept)
-        return days_left_out(normals, scores, inverse)
+        return jackknife_covariance(normals, scores, inverse)
 
     def by_day(self) -> np.ndarray:
         """Covariance at a minimum of all columns by the jackknife over days."""
         normals, scores = self.sums[:, :-1, :-1], self.sums[:, :-1, -1]
         inverse = np.linalg.inv(normals.sum(axis=0))
-        covariance = days_left_out(normals, scores, inverse)
+        covariance = jackknife_covariance(normals, scores, inverse)
         return covariance / np.outer(self.scale, self.scale)
 
 
@@ -226,7 +226,7 @@ def calendar_weeks(dates: np.ndarray) -> np.ndarray:
     return (np.asarray(dates) + 3) // WEEK
 
 
-def days_left_out(
+def jackknife_covariance(
     normals: np.ndarray, scores: np.ndarray, inverse: np.ndarray
 ) -> np.ndarray:
     """
@@ -241,8 +241,8 @@ def days_left_out(
        Cluster-Robust Inference", J. Human Resources 50, 317-372, 2015, section
        VI.B. :doi:`10.3368/jhr.50.2.317`
     """
-    left_out = np.eye(len(inverse)) - normals @ inverse
-    shifts = np.linalg.solve(left_out, scores[..., None])[..., 0] @ inverse
+    complement = np.eye(len(inverse)) - normals @ inverse
+    shifts = np.linalg.solve(complement, scores[..., None])[..., 0] @ inverse
     return (len(scores) - 1) / len(scores) * shifts.T @ shifts
 
 

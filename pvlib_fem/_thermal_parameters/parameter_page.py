@@ -101,7 +101,7 @@ def as_text(table: pd.DataFrame) -> str:
     str
     """
     rows = [
-        (*name, *cells(row), row["unit"], row["of"], left(row))
+        (*name, *cells(row), row["unit"], row["of"], mismatch_text(row))
         for name, row in table.iterrows()
     ]
     head = [name.removeprefix("#") for name in (*HEAD, *MORE)]
@@ -127,7 +127,7 @@ def wrapped(name: str, words: str) -> list:
     return textwrap.wrap(f"{name}: {words}", 88, subsequent_indent="  ")
 
 
-def left(row: pd.Series) -> str:
+def mismatch_text(row: pd.Series) -> str:
     return number(row["mismatch"]) if np.isfinite(row["mismatch"]) else ""
 
 
@@ -172,7 +172,7 @@ def part(table: pd.DataFrame, begins: tuple, use: str) -> list:
     own = table[of]
     compared = bool(own["mismatch"].notna().any())
     rows = [
-        (*name, *cells(row), row["unit"], row["of"], *([left(row)] * compared))
+        (*name, *cells(row), row["unit"], row["of"], *([mismatch_text(row)] * compared))
         for name, row in own.iterrows()
     ]
     head = (*HEAD, *MORE) if compared else (*HEAD, MORE[0])

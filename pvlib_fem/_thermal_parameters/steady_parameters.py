@@ -170,7 +170,7 @@ class Steady:
         return 0.0 if self.measured is None else self.measured.effects(coefficients)
 
     @property
-    def left_out(self) -> str:
+    def effects_note(self) -> str:
         """A note on effects that are not included without the record."""
         names = ", ".join(effect.name for effect in self.fit.effects)
         return NO_EFFECTS.format(names) if names and self.measured is None else ""
@@ -250,22 +250,30 @@ def steady_rows(steady: Any, chosen: list) -> Iterator:
         why = NO_HEIGHT if one.high and steady.share is None else ""
         why = NO_WINDS if one.calm and steady.measured is None else why
         there, found = not why, dict.fromkeys(one.units, np.nan)
-        errors, left = [np.nan] * len(found), np.nan
+        errors, mismatch = [np.nan] * len(found), np.nan
         if there:
             found = steady.parameters(one, steady.fit.coefficients)
         if there and np.isfinite(list(found.values())).all():
             errors = steady.error(
                 lambda c, one=one: np.array([*steady.parameters(one, c).values()])
             )
-            left = steady.mismatch(one, found)
+            mismatch = steady.mismatch(one, found)
             warm = OF_SENSOR if one.of == "cell" and steady.deltaT is None else ""
-            why = joined(warm, steady.left_out)
+            why = joined(warm, steady.effects_note)
         elif there:
             why = POSSIBLE
         like = dict(of=one.of, equation=one.equation, source=one.source)
         for (name, value), error in zip(found.items(), errors):
             yield row(
-                steady, one.name, name, value, one.units[name], error, left, why, like
+                steady,
+                one.name,
+                name,
+                value,
+                one.units[name],
+                error,
+                mismatch,
+                why,
+                like,
             )
         for name, value in one.fixed.items():
             yield Row(one.name, name, value, "-", note=GIVEN, **like)
@@ -284,7 +292,7 @@ def row(
     value: float,
     unit: str,
     error: float,
-    left: float,
+    mismatch: float,
     why: str,
     like: dict,
 ) -> Row:
@@ -299,7 +307,7 @@ def row(
         unit,
         float(error),
         freedom,
-        mismatch=left,
+        mismatch=mismatch,
         note=why,
         **like,
     )
@@ -325,7 +333,7 @@ def nmot_row(steady: Any) -> Row:
         equation="NMOT = 20 °C + 800 W/m² r_eq(1 m/s) + bias",
         source=IEC,
     )
-    why = steady.left_out
+    why = steady.effects_note
     return row(steady, "nmot", "of the fit", value, "°C", error, np.nan, why, like)
 
 

@@ -115,10 +115,10 @@ def detached_module_sensor(
     logs = np.log(np.maximum(over, LOWEST))
     middle = np.median(logs)
     path = most_probable(days, logs - middle, LAW)
-    left = logs - path.usual - path.level
+    residual = logs - path.usual - path.level
     levels, lasts = np.unique(path.level, return_counts=True)
     height = {
-        one: float(np.exp(np.median((left + path.usual + one)[path.level == one])))
+        one: float(np.exp(np.median((residual + path.usual + one)[path.level == one])))
         for one in levels
     }
     long = [

@@ -115,13 +115,13 @@ def fitted(
 
     The size of each column but the first has a prior: a summer time is no season.
     """
-    left = values - start
+    residual = values - start
     prior = np.diag(law.memory * noise / spread**2)
     found = np.zeros(table.shape[1])
     for _ in range(TURNS):
-        weighted = table / np.maximum(np.abs(left), law.fine)[:, None]
+        weighted = table / np.maximum(np.abs(residual), law.fine)[:, None]
         found = np.linalg.solve(weighted.T @ table + prior, weighted.T @ values)
-        left = values - table @ found
+        residual = values - table @ found
     return table @ found, 0.5 * float(((found / spread) ** 2).sum())
 
 

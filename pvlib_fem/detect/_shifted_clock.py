@@ -161,17 +161,17 @@ def time_shifts(
 
 def sized(path: Path, middle: np.ndarray) -> tuple[np.ndarray, float]:
     """How far each day's clock is ahead of the sun's, and what is usual. [min]"""
-    left = middle - path.usual - path.level
+    residual = middle - path.usual - path.level
     clocks, days = np.unique(path.level, return_counts=True)
     level = clocks + np.median(path.usual)
     near = np.abs(level) <= SLACK
     base = int(np.argmax(np.where(near, days, days / days.sum())))
     zone = 0.0 if near[base] else ZONE * round(level[base] / ZONE)
-    off = np.median(left[path.level == clocks[base]])
+    off = np.median(residual[path.level == clocks[base]])
     minutes = np.zeros(len(middle))
     for clock, number in zip(clocks, days):
         rows = path.level == clock
-        rest = float(np.median(left[rows]) - off)
+        rest = float(np.median(residual[rows]) - off)
         error = path.noise * np.sqrt(MEMORY * (1.0 / number + 1.0 / days[base]))
         whole = abs(rest) <= max(NEAR, SURE * error) or abs(rest) > GRID
         size = clock - clocks[base] + (0.0 if whole else round(rest))

@@ -84,8 +84,8 @@ def data_shifts(series: pd.Series) -> LevelChanges:
     path = most_probable(weeks, logs, LAW)
     new = new_levels(path)
     parts = np.searchsorted(new, np.arange(len(weeks)), side="right")
-    left = logs - path.usual
-    level = np.array([np.median(left[parts == i]) for i in range(len(new) + 1)])
+    residual = logs - path.usual
+    level = np.array([np.median(residual[parts == i]) for i in range(len(new) + 1)])
     return result(weeks, new, np.diff(level), "its own season", length=WEEK)
 
 

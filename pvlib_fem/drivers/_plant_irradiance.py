@@ -122,8 +122,8 @@ def lost(seen: np.ndarray, shown: np.ndarray) -> np.ndarray:
 
     With a share :math:`p` of the power, the share of irradiance is :math:`\sqrt p`.
     """
-    left = np.sqrt(np.clip(shown / np.maximum(seen, LEAST), 0.0, 1.0))
-    return np.where(shown >= seen, 0.0, seen * (1.0 - left))
+    remaining = np.sqrt(np.clip(shown / np.maximum(seen, LEAST), 0.0, 1.0))
+    return np.where(shown >= seen, 0.0, seen * (1.0 - remaining))
 
 
 def light_lost(

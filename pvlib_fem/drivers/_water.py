@@ -153,8 +153,8 @@ def snow_left(
     warm = np.cumsum(may_slide(temp_air, poa_global) * hours)
     rows = np.arange(len(hours))
     covered = np.maximum.accumulate(np.where(snow_cover > 0.0, rows, 0))
-    left = np.clip(1.0 - (warm - warm[covered]) / sliding, 0.0, 1.0)
-    return (1.0 - snow_cover) * left * (snow_depth > lying)
+    remaining = np.clip(1.0 - (warm - warm[covered]) / sliding, 0.0, 1.0)
+    return (1.0 - snow_cover) * remaining * (snow_depth > lying)
 
 
 def may_slide(temp_air: np.ndarray, poa_global: np.ndarray) -> np.ndarray:

@@ -205,16 +205,16 @@ class Effect:
         -------
         Effect
         """
-        effect, left = self, dict(settings)
-        if self.variants and "source" in left:
-            effect = self.from_source(left.pop("source"))
+        effect, others = self, dict(settings)
+        if self.variants and "source" in others:
+            effect = self.from_source(others.pop("source"))
         own = inspect.signature(effect.make).parameters if effect.make else {}
-        if mine := {name: left.pop(name) for name in own if name in left}:
+        if mine := {name: others.pop(name) for name in own if name in others}:
             effect = effect.make(**mine)
         if taken := {name for form in effect.forms for name in form.constants}:
-            forms = tuple(form.with_constants(left) for form in effect.variants)
-            effect = replace(effect.with_constants(left), variants=forms)
-        if unknown := [name for name in left if name not in taken]:
+            forms = tuple(form.with_constants(others) for form in effect.variants)
+            effect = replace(effect.with_constants(others), variants=forms)
+        if unknown := [name for name in others if name not in taken]:
             there = sorted({*own, *taken, *(["source"] if self.variants else [])})
             raise ValueError(
                 f"{self.name} has no setting {', '.join(unknown)}"

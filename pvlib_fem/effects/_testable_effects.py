@@ -68,8 +68,8 @@ def turning(effects: list, axis_azimuth: Any) -> tuple[list, dict]:
     """
     none = axis_azimuth is None
     notes = {e.name: because(Reason.NO_AXIS) for e in effects if none and e.turns}
-    left = [effect for effect in effects if effect.name not in notes]
-    return about_axis(left, axis_azimuth), notes
+    kept = [effect for effect in effects if effect.name not in notes]
+    return about_axis(kept, axis_azimuth), notes
 
 
 def missing_columns(effect: Effect, drivers: dict, absent: Any) -> list:

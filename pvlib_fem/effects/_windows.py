@@ -219,9 +219,12 @@ def box(
 
 def share_of(product: np.ndarray, square: np.ndarray, known: np.ndarray) -> np.ndarray:
     """Share of the beam blocked in parts of the sky, given all fitted coefficients."""
-    left = square - known
+    remaining = square - known
     return np.divide(
-        product, left, out=np.zeros_like(product), where=left > UNSEEN * np.abs(square)
+        product,
+        remaining,
+        out=np.zeros_like(product),
+        where=remaining > UNSEEN * np.abs(square),
     )
 
 

@@ -61,13 +61,15 @@ def clear_sky(
         return found
     rows, sky = looked
     modelled = sky.on_plane(at_rows(angles or FLAT, rows))
-    clear = shape_left(sky.poa, modelled, sky.day) < SHAPE
+    clear = shape_deviation(sky.poa, modelled, sky.day) < SHAPE
     found[rows] = np.where(clear[sky.day], modelled, np.nan)
     return found
 
 
-def shape_left(poa: np.ndarray, modelled: np.ndarray, day: np.ndarray) -> np.ndarray:
-    """What one factor leaves between the ordered values of each day, of its mean."""
+def shape_deviation(
+    poa: np.ndarray, modelled: np.ndarray, day: np.ndarray
+) -> np.ndarray:
+    """Relative RMS of each day between ordered values, after scaling by a factor."""
     one, other = (values[np.lexsort((values, day))] for values in (poa, modelled))
     # sorted by day, too
     day = np.sort(day)

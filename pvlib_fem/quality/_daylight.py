@@ -35,7 +35,7 @@ class Daylight:
     after: float = np.nan  # the same by the corrected times [min]
     transitions: tuple = ()  # of the zone: (time in standard time, seconds)
     jumps: tuple = ()  # others that were taken out: (first day after it, seconds)
-    left: tuple = ()  # those that were not
+    jumps_kept: tuple = ()  # others that were not taken out
     brief: str = ""  # the line's part on what was found and done
     evidence: str = ""  # the rest of the line
 
@@ -104,7 +104,7 @@ def daylight_saving(
     whole, to where the clock fits the sun best; those within a day of the night, or
     the nights, in which it may have been are dropped. The light decides whether
     either step holds: it must move less often, and be nearer to the sun. What still
-    moves is in ``left``.
+    moves is in ``jumps_kept``.
     """
     limits = limits or Limits()
     if reason := why_no_zone(index, noon):
@@ -152,7 +152,7 @@ REMEDY = "set the times to one clock, such as standard time"
 
 def as_it_is(index: pd.DatetimeIndex, reason: str, noon: SolarNoon) -> Daylight:
     kept = np.ones(len(index), dtype=bool)
-    return Daylight("", reason, index, kept, left=noon.jumps)
+    return Daylight("", reason, index, kept, jumps_kept=noon.jumps)
 
 
 def better(then: SolarNoon, now: SolarNoon) -> bool:
@@ -213,15 +213,15 @@ def zone_of(
 
 def against(due: list, zone: str, noon: SolarNoon, limits: Any) -> str:
     """What speaks against a zone whose clock moves on these dates; "" if nothing."""
-    left, found = list(due), 0
+    unmatched, found = list(due), 0
     for (_, by), within in zip(noon.jumps, noon.within):
-        for transition in [t for t in left if same(*[t, by, *within, limits])][:1]:
-            left.remove(transition)
+        for transition in [t for t in unmatched if same(*[t, by, *within, limits])][:1]:
+            unmatched.remove(transition)
             found += 1
     if found < 2:
         on = "none of its dates" if not found else "one of its dates alone"
         return f"{zone} has {changes(due)}, and the day's light moves on {on}"
-    if missed := [t for t in left if visible(t[0], noon.days, limits)]:
+    if missed := [t for t in unmatched if visible(t[0], noon.days, limits)]:
         return f"{zone} has {changes(missed)}, and the day's light does not move then"
     return ""
 

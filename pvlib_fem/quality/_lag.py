@@ -31,7 +31,7 @@ class Lag:
     step: float  # [s]
     sure: float  # standard errors between the days by which it fits better than none
     share: float  # of the changes that are explained at it
-    left: float  # of what none leaves
+    residual: float  # as a share of that without a shift
     best: int  # rows by which it fits best, whether that is sure or not
     answer: np.ndarray  # there, change by change
     hours: tuple = ()  # (from here on [s], late by that [s]), where that changes
@@ -208,21 +208,21 @@ class Products:
         square -= 2 * self.whole(self.air, self.module, lag)
         return products - self.of_air, square
 
-    def left(self, lag: int, answer: np.ndarray) -> np.ndarray:
+    def residual(self, lag: int, answer: np.ndarray) -> np.ndarray:
         """Daily residual of a response that begins at a lag."""
         own = np.correlate(answer, answer, "full")[len(answer) - 1 :].copy()
         own[1:] *= 2
-        left = self.of(self.module, self.module) + self.of(self.air, self.air)
-        left -= 2 * self.of(self.air, self.module, lag)
+        residual = self.of(self.module, self.module) + self.of(self.air, self.air)
+        residual -= 2 * self.of(self.air, self.module, lag)
         for j in range(self.length):
-            left -= 2 * answer[j] * self.of(self.poa, self.module, lag + j)
-            left += 2 * answer[j] * self.of(self.poa, self.air, j)
-            left += own[j] * self.of(self.poa, self.poa, j)
-        return left
+            residual -= 2 * answer[j] * self.of(self.poa, self.module, lag + j)
+            residual += 2 * answer[j] * self.of(self.poa, self.air, j)
+            residual += own[j] * self.of(self.poa, self.poa, j)
+        return residual
 
 
 def weighed(sums: Products, step: float, limits: Limits) -> Lag:
-    """The lag that leaves least, and how sure it is that it leaves less than none."""
+    """The lag with the least residual, and how surely it is less than without one."""
     lags = np.arange(sums.length)
     normal = sums.own[np.abs(lags[:, None] - lags)]
     shapes = decays(lags, step, 0.0)
@@ -240,7 +240,7 @@ def weighed(sums: Products, step: float, limits: Limits) -> Lag:
     # rows that hold means in one column and ends in the other are half a step apart
     near = [lag for lag in (-1, 0, 1) if abs(best) > 1 or not lag]
     none = min(near, key=lambda lag: tried[lag][1])
-    there, usual = (sums.left(lag, tried[lag][0]) for lag in (best, none))
+    there, usual = (sums.residual(lag, tried[lag][0]) for lag in (best, none))
     seen = sums.seen
     # each day alike, but those that hardly move; what a day leaves has a part of the
     # next in it, and may be below nothing
@@ -252,13 +252,13 @@ def weighed(sums: Products, step: float, limits: Limits) -> Lag:
     error = fall.std(ddof=1) / np.sqrt(fall.size)
     sure = float(fall.mean() / error) if error > 0 else 0.0
     critical = student.ppf(norm.cdf(limits.sure), fall.size - 1)
-    left = tried[best][1] / tried[none][1] if tried[none][1] > 0 else 1.0
+    ratio = tried[best][1] / tried[none][1] if tried[none][1] > 0 else 1.0
     changed = sums.module @ sums.module + sums.air @ sums.air
     share = float(1 - tried[best][1] / changed)
     most = limits.lag_left if abs(best) > 1 else limits.lag_next
-    holds = sure > critical and left < most and share > limits.lag_share
+    holds = sure > critical and ratio < most and share > limits.lag_share
     late = best * step if holds else 0.0
-    return Lag(late, step, sure, share, float(left), best, tried[best][0])
+    return Lag(late, step, sure, share, float(ratio), best, tried[best][0])
 
 
 def hours_by_days(sums: Products, found: Lag, limits: Limits) -> list:
@@ -283,7 +283,9 @@ def hours_by_days(sums: Products, found: Lag, limits: Limits) -> list:
         if (lag := other[0][0]) != hours[-1][1]:
             first, end = one[-1][1], other[0][2]
             part = sums.part(first, end)
-            gain = part.left(hours[-1][1], found.answer) - part.left(lag, found.answer)
+            gain = part.residual(hours[-1][1], found.answer) - part.residual(
+                lag, found.answer
+            )
             at = first + int(np.argmin(np.cumsum(np.append(0.0, gain))))
             hours.append((at, lag))
     return hours

@@ -233,7 +233,7 @@ def judge(
     if abs(value) > limit and abs(value) > sure(rest, limits) * stderr:
         faults["clock_shift"] = (
             f"timestamps of temp_module run {abs(value) / 60:.1f} ± "
-            f"{left_open(stderr, limit) / 60:.1f} min {side_of(value)} those of "
+            f"{error_with_step(stderr, limit) / 60:.1f} min {side_of(value)} those of "
             "poa_global"
         )
     jumps = tuple((day_of(origin, c["seconds"]), c["by"]) for c in changes)
@@ -281,8 +281,8 @@ def line(x: np.ndarray, y: np.ndarray, stderr: np.ndarray, limits: Limits) -> tu
     return mean, error, slope, slope_error, centre, rest
 
 
-def left_open(stderr: float, limit: float) -> float:
-    """Error of a clock with what a row's place in its step leaves open. [s]"""
+def error_with_step(stderr: float, limit: float) -> float:
+    """Error of a clock with that of the unknown time of a row in its step. [s]"""
     return np.hypot(stderr, limit / np.sqrt(12.0))
 
 

@@ -22,7 +22,7 @@ WHOLE = 0.9  # share of a day's light rows that are there
 GROUPS = 10  # of days, each left out in turn
 LEAST_ERROR = 5.0  # °, of a clear sky and a transposition that are no more than models
 MOST_ERROR = 8.0  # °, above which the angles are not known
-MOST_LEFT = 0.12  # of the clear irradiance, root mean square
+MOST_RESIDUAL = 0.12  # of the clear irradiance, root mean square
 CLEARLY = 0.5  # of the deviation from a moving plane, below which a fixed one is it
 SURE = 3.0  # errors by which two planes have to part to be two
 STARTS = [(tilt, turn) for tilt in (10.0, 35.0, 60.0) for turn in range(0, 360, 45)]
@@ -115,13 +115,16 @@ def plane_of(
     # the scale of a clear day, free for each year or day: for each year the sun's
     # way through the seasons counts, and what its air does; for each day its shape
     both = [sky.scaled_by(by).plane() for by in (np.asarray(local.year)[rows], sky.day)]
-    angles, errors, left = (np.array(part) for part in zip(*both))
+    angles, errors, residuals = (np.array(part) for part in zip(*both))
     apart = turned(angles[1] - angles[0])
     tilt, turn = (angles[0] + apart / 2.0).tolist()
     errors = np.maximum(errors.max(axis=0), np.abs(apart) / 2.0)
     errors = np.maximum(errors, LEAST_ERROR).tolist()
     steep = max(np.sin(np.radians(tilt)), 0.1)  # a flat plane has no azimuth
-    if max(errors[0], errors[1] * steep) > MOST_ERROR or left.max() > MOST_LEFT:
+    if (
+        max(errors[0], errors[1] * steep) > MOST_ERROR
+        or residuals.max() > MOST_RESIDUAL
+    ):
         return None
     return Plane(tilt, turn % 360.0, errors[0], errors[1], int(sky.day.max()) + 1)
 
@@ -154,7 +157,7 @@ def fixed_rather(
         return None
     rows, sky = looked
     best = tuple(sky.best().tolist())
-    fixed, moving = (sky.least_left(a) for a in (best, at_rows(angles, rows)))
+    fixed, moving = (sky.least_residual(a) for a in (best, at_rows(angles, rows)))
     return (best[0], best[1] % 360.0) if fixed < CLEARLY * moving else None
 
 
@@ -275,7 +278,7 @@ class Sky:
         others = [sky.rows(folds != fold).search(found) for fold in range(GROUPS)]
         apart = turned(np.array(others) - found)
         errors = np.sqrt((GROUPS - 1) / GROUPS * (apart**2).sum(axis=0))
-        return found, errors, np.sqrt(np.mean(sky.left(found) ** 2))
+        return found, errors, np.sqrt(np.mean(sky.residual(found) ** 2))
 
     def rows(self, kept: np.ndarray) -> Any:
         """The clear sky of some rows."""
@@ -292,17 +295,17 @@ class Sky:
         lit = around * ahead / np.cos(self.zenith) + (1.0 - around) * view
         return self.beam * ahead + self.sky * lit + self.ground * (1.0 - view)
 
-    def left(self, angles: np.ndarray | tuple) -> np.ndarray:
-        """What a plane leaves of each row, as a share of the mean irradiance."""
+    def residual(self, angles: np.ndarray | tuple) -> np.ndarray:
+        """Residual of each row in a plane, as a share of the mean irradiance."""
         modelled = self.on_plane(angles)
         squares = np.bincount(self.scale, modelled**2)
         times = np.bincount(self.scale, modelled * self.poa) / np.maximum(squares, 1e-9)
         return (self.poa - times[self.scale] * modelled) / self.poa.mean()
 
     def search(self, start: np.ndarray | tuple) -> np.ndarray:
-        """The angles that leave least, from some on. [°]"""
+        """The angles with the least residual, searched from a start. [°]"""
         found = least_squares(
-            self.left,
+            self.residual,
             start,
             bounds=([0.0, -np.inf], [90.0, np.inf]),
             loss="soft_l1",
@@ -312,18 +315,20 @@ class Sky:
         return found.x
 
     def best(self) -> np.ndarray:
-        """The angles that leave least of all."""
-        starts = sorted(STARTS, key=lambda one: float(np.abs(self.left(one)).mean()))
+        """The angles with the least residual of all."""
+        starts = sorted(
+            STARTS, key=lambda one: float(np.abs(self.residual(one)).mean())
+        )
         ends = [self.search(start) for start in starts[:3]]
-        return min(ends, key=lambda one: float(np.abs(self.left(one)).mean()))
+        return min(ends, key=lambda one: float(np.abs(self.residual(one)).mean()))
 
     def by_day(self, angles: np.ndarray) -> np.ndarray:
-        """The mean square that a plane leaves of each day."""
-        left = self.left(angles)
-        return np.bincount(self.day, left**2) / np.bincount(self.day)
+        """Mean square residual of each day in a plane."""
+        residual = self.residual(angles)
+        return np.bincount(self.day, residual**2) / np.bincount(self.day)
 
-    def least_left(self, angles: Any) -> Any:
-        """The root mean square that a plane leaves of the days that fit it best."""
+    def least_residual(self, angles: Any) -> Any:
+        """RMS residual in a plane, of the days that fit it best."""
         return float(np.sqrt(np.sort(self.by_day(angles))[: self.most].mean()))
 
     def nearest(self, angles: np.ndarray) -> np.ndarray:

@@ -257,13 +257,13 @@ def frozen(clean: CleanRecord, standing: dict, rests: dict, limits: Limits) -> d
     limits : Limits
     """
     seen = {n: standing[n].some(too_long(standing[n], limits)) for n in STILL}
-    found, left = {}, [name for name in STILL if len(seen[name].first)]
-    while left:
-        extents = Extents.of(clean, {name: seen[name] for name in left}, limits)
-        for name in list(left):
+    found, untested = {}, [name for name in STILL if len(seen[name].first)]
+    while untested:
+        extents = Extents.of(clean, {name: seen[name] for name in untested}, limits)
+        for name in list(untested):
             runs, extent = seen[name], extents.taker(name)
             kept = STILL[name](runs, extent, extents.steps, limits)
-            left.remove(name)
+            untested.remove(name)
             if kept.any():
                 found[name] = runs.some(kept).spans
                 # a stuck module shows nothing of its drivers

@@ -125,8 +125,8 @@ def standing_of(
         return ()
     days = np.unique(dates[rows])
     sky = Sky.of(poa[rows], zenith[rows], azimuth[rows], dates[rows], location)
-    moving = left_by_day(sky, at_rows(angles, rows))
-    planes = np.array([left_by_day(sky, plane) for plane in axis.planes(turns)])
+    moving = residual_by_day(sky, at_rows(angles, rows))
+    planes = np.array([residual_by_day(sky, plane) for plane in axis.planes(turns)])
     best = planes.min(axis=0)
     stands = (best < CLEAR) & (moving > np.maximum(ANOTHER, BETTER * best))
     moves = (moving < CLEAR) & ~stands
@@ -137,15 +137,15 @@ def standing_of(
     )
 
 
-def left_by_day(sky: Any, plane: Any) -> Any:
-    """What a clear sky in a plane leaves of each day, as a share. [-]"""
+def residual_by_day(sky: Any, plane: Any) -> Any:
+    """Relative residual of each day against a clear sky in a plane. [-]"""
     modelled = sky.on_plane(plane)
     whole, square, both = (
         np.bincount(sky.day, column)
         for column in (sky.poa**2, modelled**2, sky.poa * modelled)
     )
-    left = whole - both**2 / np.maximum(square, 1e-9)
-    return np.sqrt(np.maximum(left, 0.0) / np.maximum(whole, 1e-9))
+    square_residual = whole - both**2 / np.maximum(square, 1e-9)
+    return np.sqrt(np.maximum(square_residual, 0.0) / np.maximum(whole, 1e-9))
 
 
 def runs(days: Any, stands: Any, moves: Any, at: Any) -> Iterator:
@@ -183,8 +183,8 @@ def described(
     middle = float(np.median(at[some]))
     near = np.arange(middle - ALIKE, middle + ALIKE + 0.5)
     planes = axis.planes(near)
-    left = [np.sqrt(np.mean(left_by_day(part, p)[some] ** 2)) for p in planes]
-    tilt, turn = planes[int(np.argmin(left))].round(1).tolist()
+    residuals = [np.sqrt(np.mean(residual_by_day(part, p)[some] ** 2)) for p in planes]
+    tilt, turn = planes[int(np.argmin(residuals))].round(1).tolist()
     first, end = days[some[0]], days[some[-1]] + 1
     # in the middle of the days that show neither
     begin = int(last + 1 + first + 1) // 2
@@ -196,5 +196,5 @@ def described(
         surface_azimuth=turn,
         days=len(some),
         before=float(np.sqrt(np.mean(moving[some] ** 2))),
-        after=float(min(left)),
+        after=float(min(residuals)),
     )

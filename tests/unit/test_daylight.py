@@ -195,7 +195,7 @@ def test_one_jump_is_a_clock_that_was_set(minutes, step, slack):
     assert "the clock of the file was set then" in noon.faults["file_jump"]
     assert "daylight" not in noon.faults["file_jump"]
     found = judged(wall, "Europe/Berlin")
-    assert (found.zone, found.fault, found.left) == ("", "file_jump", ())
+    assert (found.zone, found.fault, found.jumps_kept) == ("", "file_jump", ())
     assert found.after < 15 < found.before
     assert found.index.is_monotonic_increasing
     # all but the days around it are there
@@ -213,7 +213,7 @@ def test_ten_days_by_another_clock_leave_all_other_changes_corrected():
     wall = by_the_wall(late, "Europe/Berlin")
     found = judged(wall, "Europe/Berlin")
     assert (found.zone, found.fault) == ("Europe/Berlin", "file_dst+file_jump")
-    assert found.left == ()
+    assert found.jumps_kept == ()
     for (day, by), (date, due) in zip(
         found.jumps, [("2023-06-21", 3600.0), ("2023-07-01", -3600.0)]
     ):
@@ -281,7 +281,7 @@ def test_changes_clock_errors_and_years_without_rows_are_told_apart(kind, apart)
     wall = once(change(apart))
     found = judged(wall, "America/Denver")
     assert found.zone == ("America/Denver" if kept else "")
-    assert found.explained and found.left == ()
+    assert found.explained and found.jumps_kept == ()
     moves = [(day, by / 60) for day, by in found.jumps]
     assert len(moves) == len(expected)
     for (day, by), (date, due) in zip(moves, expected):

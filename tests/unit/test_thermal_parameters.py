@@ -21,7 +21,7 @@ from pvlib_fem._thermal_parameters.parameter_page import (
     as_text,
     cells,
     conditions,
-    left,
+    mismatch_text,
     page,
 )
 from pvlib_fem._thermal_parameters.parameter_rows import COLUMNS
@@ -498,7 +498,7 @@ def guide_lines(table):
     for name, row in table.iterrows():
         value, error, span = cells(row)
         value = f"{value} ± {error}" if error != "–" else value
-        numbers = f"{value} | {span} | {row['unit']} | {left(row)}"
+        numbers = f"{value} | {span} | {row['unit']} | {mismatch_text(row)}"
         yield f"| {name[0]} | `{name[1]}` | {numbers} |"
 
 
