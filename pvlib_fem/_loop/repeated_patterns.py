@@ -8,7 +8,7 @@ import numpy as np
 from pvlib_fem._findings import Check, Finding, Kind, Verdict
 from pvlib_fem._loop.design import FEWEST_WEEKS, Hours
 from pvlib_fem._loop.predicted_patterns import Pattern
-from pvlib_fem._record.column_names import COLUMNS, GEOMETRY
+from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, is_power
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.axes import PAST, axes, calendar_of
 from pvlib_fem._statistics.clusters import calendar_weeks
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 STEP = "+patterns"  # row of the loop's table
 SUN = GEOMETRY[:2]
-POWER = "p_dc_per_area"  # follows the irradiance itself
 CYCLES = 2  # times that each table is estimated again, given all others
 
 
@@ -82,7 +81,9 @@ def places_of(
 ) -> dict[str, np.ndarray]:
     """Mean of each driver in cells of an hour, NaN with a gap, and their calendar."""
     inputs = completed(record.inputs, list(PAST))
-    names = {*COLUMNS[:3], *GEOMETRY, *drivers, *PAST} & {*inputs.columns} - {POWER}
+    names = {*COLUMNS[:3], *GEOMETRY, *drivers, *PAST} & {*inputs.columns}
+    # predictions from weather have no power
+    names = {name for name in names if not is_power(name)}
     columns = {name: inputs[name][rows] for name in sorted(names)}
     found = {
         name: np.add.reduceat(column, hours.first) / hours.count

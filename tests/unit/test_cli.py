@@ -289,7 +289,7 @@ def test_a_fit_has_a_page_of_its_own(plant_file, tmp_path):
 def test_a_gain_can_be_asked_for(plant_file):
     asked = call("loop", plant_file, *PLANT, "--min-gain", 50)
     assert asked.exit_code == 0
-    assert "\n+ wind_direction" not in asked.output and "named" not in asked.output
+    assert "\n+ wind_direction" not in asked.output and "identified" not in asked.output
 
 
 def test_a_pipe_hears_no_progress_and_a_terminal_does(plant_file, capsys, monkeypatch):

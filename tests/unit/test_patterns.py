@@ -181,3 +181,17 @@ def test_a_mean_is_shrunk_by_its_uncertainty():
     cut = axis.of(np.arange(len(times)) < few.stop)
     short = Table.of((cut,), noisy[few], np.ones(few.stop), weeks[few])
     assert short.shares.mean() < table.shares.mean()
+
+
+def test_a_prediction_needs_no_power():
+    """Where power is missing for hours, the error follows it, and no pattern does."""
+    data = record()
+    hours = np.asarray(data.index.hour)
+    off = (hours >= 11) & (hours < 15) & (np.asarray(data.index.day_of_week) < 3)
+    power = np.where(off, 0.0, 0.18 * data["poa_global"] * 20.0)
+    warm = data["temp_module"] + 4.0 * off * (data["poa_global"] > 300.0)
+    data = data.assign(temp_module=warm, power_dc=power)
+    loop = fem.close_loop(data, effects="rain")
+    assert loop.patterns
+    assert not [one for one in loop.patterns if "power_dc" in one.drivers]
+    assert loop.predict(data.drop(columns="power_dc")).notna().all()
