@@ -220,7 +220,7 @@ def fit_frame(
     data, place = plane_of_columns(*with_given(data, place))
     instead = Replacements.of_arguments(transposition, stand_ins)
     how = (options.get("limits"), options.get("check_units", True))
-    filled = instead.of(data, ALWAYS, place, *how)
+    filled = instead.filled(data, ALWAYS, place, *how)
     columns, notes = filled.columns, filled.notes
     there: dict[str, Any] = columns
     if effects:

@@ -90,7 +90,7 @@ class ErrorSums:
         # not by BLAS, whose last bits depend on the number of threads
         self.sums += np.einsum("i,i", error, error), np.abs(error).sum(), total
 
-    def of(self, part: str) -> dict:
+    def scores(self, part: str) -> dict:
         """RMSE, MAE and MBE; the name of each ends with the part of a record. [K]"""
         with np.errstate(invalid="ignore"):
             square, size, mean = self.sums / (self.rows or np.nan)
@@ -98,11 +98,11 @@ class ErrorSums:
         return {f"{score}_{part}": float(value) for score, value in found.items()}
 
 
-def of(error: Any, part: Any) -> Any:
+def scores_of(error: Any, part: Any) -> Any:
     """RMSE, MAE and MBE of some errors; each name ends with the part. [K]"""
     tally = ErrorSums()
     tally.add(error)
-    return tally.of(part)
+    return tally.scores(part)
 
 
 def tallying() -> dict:
@@ -113,7 +113,9 @@ def tallying() -> dict:
 def scored(tallies: dict) -> pd.DataFrame:
     """A row of scores for each model."""
     rows = {
-        name: {n: v for part, tally in parts.items() for n, v in tally.of(part).items()}
+        name: {
+            n: v for part, tally in parts.items() for n, v in tally.scores(part).items()
+        }
         for name, parts in tallies.items()
     }
     return pd.DataFrame.from_dict(rows, orient="index")

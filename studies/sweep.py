@@ -54,7 +54,7 @@ class Setting:
     name: str = ""
     way: str = ""
 
-    def of(self, usual):
+    def applied_to(self, usual):
         """The criteria, or limits, with this one by its other value."""
         if not self.name:
             return usual
@@ -189,7 +189,7 @@ def looked_at(world, case, change):
         row = {"name": setting.name, "way": setting.way, "family": case.family}
         row |= {"seed": world.seed, "truth": case.label}
         try:
-            limits = setting.of(Limits())
+            limits = setting.applied_to(Limits())
             clean, faults = screened(record, limits)
             health = check(clean, limits=limits, **world.place)
             kinds = faults.counts[["column", "kind"]].itertuples(index=False)
@@ -212,7 +212,9 @@ def swept(names, world, case, change):
         row = {"name": setting.name, "way": setting.way, "family": case.family}
         row |= {"seed": world.seed, "truth": case.label, "truths": len(case.truths)}
         try:
-            loop = close_loop(data, criteria=setting.of(Criteria()), **world.place)
+            loop = close_loop(
+                data, criteria=setting.applied_to(Criteria()), **world.place
+            )
         except ValueError as error:
             rows.append(row | {"broken": f"{type(error).__name__}: {error}"})
             continue

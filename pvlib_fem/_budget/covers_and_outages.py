@@ -187,7 +187,7 @@ class Deciding:
         ):  # at its ends it may be half
             return "modules_covered" if self.follows(some, length, cold) else ""
         warm = self.makes("outage", hours.seen, some)
-        if warm - cold > SEEN * self.warmth.of(length):
+        if warm - cold > SEEN * self.warmth.std_of_mean(length):
             size = hours.residual[some].mean()
             return "modules_covered" if size < 0.5 * (cold + warm) else "outage"
         return "outage" if hours.off[some].all() else ""
@@ -203,13 +203,13 @@ class Deciding:
         beyond, noise = self.strange.beyond(some)
         beyond, made = beyond * np.sign(made), abs(made)
         within = beyond < MOST * made + SEEN * noise
-        if size > max(0.5 * made, SEEN * self.warmth.of(length)):
-            return made > SEEN * self.warmth.of(length) or within
+        if size > max(0.5 * made, SEEN * self.warmth.std_of_mean(length)):
+            return made > SEEN * self.warmth.std_of_mean(length) or within
         return max(0.5 * made, noise) < beyond and within
 
     def faint(self, some: slice, length: int) -> str:
         """The effect if power deviates little, and so does the temperature."""
-        sides = abs(self.apart[some].mean()) > BOTH * self.light.of(length)
+        sides = abs(self.apart[some].mean()) > BOTH * self.light.std_of_mean(length)
         size, noise = self.strange.beyond(some)
         sure = SEEN * noise
         warms = self.state[some.start] > 0

@@ -22,7 +22,7 @@ class Noise:
     values: np.ndarray
     known: dict = field(default_factory=dict)
 
-    def of(self, hours: int) -> float:
+    def std_of_mean(self, hours: int) -> float:
         """Standard deviation of a mean over so many hours, by the median."""
         if hours not in self.known:
             self.known[hours] = np.inf
@@ -92,4 +92,4 @@ class DayNoise:
         same = same[np.isfinite(same)]
         if len(same) >= FEWEST_DAYS:
             return size, spread_of(same)
-        return size, self.noise.of(some.stop - some.start)
+        return size, self.noise.std_of_mean(some.stop - some.start)

@@ -48,7 +48,7 @@ def errors(
         return stderr
     # a coefficient without any effect on the record changes no other error
     seen = np.flatnonzero(np.diag(daily.sums.whole)[:-1] > 0.0)
-    names, sums = [daily.names[place] for place in seen], daily.sums.of(seen)
+    names, sums = [daily.names[place] for place in seen], daily.sums.of_columns(seen)
     if nothing := [name for name in daily.names if name not in names]:
         notes.append(f"the error is NaN: {undetermined(nothing)}")
     _, unknown = directions(sums.whole[:-1, :-1])
@@ -80,7 +80,7 @@ def correlation(daily: Any, stderr: dict) -> pd.DataFrame:
     known = [place for place, name in enumerate(names) if stderr.get(name, 0.0) > 0.0]
     if not known:
         return pd.DataFrame(dtype=float)
-    found = daily.sums.of(known).by_day()
+    found = daily.sums.of_columns(known).by_day()
     size = np.sqrt(np.diag(found))
     found = found / np.outer(size, size)
     np.fill_diagonal(found, 1.0)

@@ -162,10 +162,10 @@ def error_table(case: Case, steps: Mapping[str, Step]) -> pd.DataFrame:
         residual = step.measured - step.temperature
         test = residual[parts["test"]]
         rows[name] = {
-            **scores.of(residual[parts["train"]], "train"),
-            **scores.of(test, "test"),
-            "rmse_test_day": scores.of(test[sunny], "day")["rmse_day"],
-            "rmse_test_night": scores.of(test[~sunny], "night")["rmse_night"],
+            **scores.scores_of(residual[parts["train"]], "train"),
+            **scores.scores_of(test, "test"),
+            "rmse_test_day": scores.scores_of(test[sunny], "day")["rmse_day"],
+            "rmse_test_night": scores.scores_of(test[~sunny], "night")["rmse_night"],
             "energy_error_test": scores.energy_of(light, -test).performance_ratio,
         }
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis("step")

@@ -251,7 +251,7 @@ def looked(
     limits = criteria.limits
     data, site = plane_of_columns(data, site)
     # clocks are looked at below, and may be corrected
-    filled = instead.of(data, ALWAYS, site, limits, check_units, check_clock=False)
+    filled = instead.filled(data, ALWAYS, site, limits, check_units, check_clock=False)
     columns = dict(filled.columns)
     usual = as_record(*(columns.pop(name, None) for name in COLUMNS))
     refuse_stray(usual.index, limits)

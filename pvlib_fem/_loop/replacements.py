@@ -46,7 +46,7 @@ class Replacements:
         """The replacements by the arguments of :func:`close_loop`."""
         return cls(transposition or "", tuple(chosen(stand_ins).values()), calm)
 
-    def of(
+    def filled(
         self,
         data: pd.DataFrame,
         needed: Sequence[str],

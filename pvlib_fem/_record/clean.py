@@ -96,7 +96,7 @@ class CleanRecord:
 
     def lacking(self, rows: dict) -> "CleanRecord":
         """The record without further spans of rows, by column."""
-        both = {name: joined(self.of(name), more) for name, more in rows.items()}
+        both = {name: joined(self.holes_of(name), more) for name, more in rows.items()}
         return replace(self, holes=self.holes | both)
 
     def clipped(self) -> "CleanRecord":
@@ -107,7 +107,8 @@ class CleanRecord:
         """The record with columns that the files do not hold."""
         return replace(self, added=(*self.added, more))
 
-    def of(self, name: str) -> Any:
+    def holes_of(self, name: str) -> Any:
+        """Spans of rows of a column that were found at fault."""
         return self.holes.get(name, NONE)
 
     def blocks(self, names: tuple | None = None) -> Iterator[Block]:
@@ -133,7 +134,7 @@ class CleanRecord:
         """Columns of a block as they are screened."""
         columns = dict(columns)
         for name, values in columns.items():
-            for first, end in within(self.of(name), start, rows):
+            for first, end in within(self.holes_of(name), start, rows):
                 columns[name] = values = np.array(values)
                 values[first:end] = np.nan
         if self.clip and "poa_global" in columns:

@@ -243,7 +243,7 @@ def completed(
         return data
     instead = Replacements.of_arguments(transposition, stand_ins)
     plane = plane_of_rows(data, place)
-    filled = instead.of(data, ALWAYS, plane, criteria.limits, check_units)
+    filled = instead.filled(data, ALWAYS, plane, criteria.limits, check_units)
     return data.drop(columns=list(data)).assign(**filled.columns)
 
 

@@ -132,7 +132,7 @@ class Axis:
         unknown = count if count < len(self.labels) else -1
         return np.where(np.isfinite(values), bins, unknown)
 
-    def of(self, rows: Any) -> Any:
+    def on_rows(self, rows: Any) -> Any:
         """The axis for some of the rows."""
         return self if rows.all() else replace(self, bins=self.bins[rows])
 

@@ -71,7 +71,7 @@ class ClusterSums:
         found = weeks @ self.sums.reshape(self.days, -1)
         return found.reshape(-1, *self.sums.shape[1:])
 
-    def of(self, kept: list | np.ndarray) -> "ClusterSums":
+    def of_columns(self, kept: list | np.ndarray) -> "ClusterSums":
         """Sums of some columns and the residual."""
         sums = submatrices(self.sums, [*kept, self.sums.shape[1] - 1])
         return replace(self, sums=sums, scale=self.scale[kept])

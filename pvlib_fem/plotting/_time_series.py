@@ -70,7 +70,7 @@ def plot_fit(
     ax.tick_params(axis="x", labelbottom=False)
     ax.set_xlabel("")
     below.axhline(0.0, color=ink(), linewidth=0.8)
-    below.plot(span.hours, span.of(fit.residual), color=AFTER, linewidth=1.0)
+    below.plot(span.hours, span.drawn_rows(fit.residual), color=AFTER, linewidth=1.0)
     below.set_ylabel("measured −\nmodelled [K]")
     span.clock(below)
     return ax
@@ -133,7 +133,7 @@ def plot_contributions(loop: "Loop", ax: "Axes | None" = None) -> "Axes":
         look["linestyle"] = STYLES[(i + i // len(COLOURS)) % len(STYLES)]
         size = np.sqrt(np.nanmean(values**2))
         words = f"{label(name)}, rms {size:.2f} K"
-        ax.plot(day.hours, day.of(values), label=words, **look)
+        ax.plot(day.hours, day.drawn_rows(values), label=words, **look)
     low, high = ax.get_ylim()
     ax.set_ylim(min(low, -LEAST), max(high, LEAST))  # no scale of what is nothing
     ax.set_ylabel("added by the effect [K]")
@@ -166,7 +166,7 @@ class Span:
         part = "fitted and held out" if out.any() and not out.all() else part
         self.title = f"{self.date}, {part}"
 
-    def of(self, column: pd.Series | None) -> np.ndarray:
+    def drawn_rows(self, column: pd.Series | None) -> np.ndarray:
         """The drawn rows of a Series."""
         return present(column).to_numpy()[self.rows]
 
@@ -184,7 +184,7 @@ class Span:
         style: str,
     ) -> None:
         """Draw the modelled temperature with this residual."""
-        modelled = self.measured - self.of(residual)
+        modelled = self.measured - self.drawn_rows(residual)
         look: Look = dict(color=colour, linestyle=style, linewidth=1.5, label=words)
         ax.plot(self.hours, modelled, **look)
 

@@ -83,7 +83,7 @@ class Column:
             part = rows + start, times[rows], values[rows]
             self.odd.setdefault(kind, []).append(part)
 
-    def of(self, kind: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def rows_of(self, kind: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Rows, times and values of one kind of fault."""
         parts = self.odd.get(kind, [])
         if not parts:
@@ -229,8 +229,8 @@ class Look:
         if before is not clean:
             rows, columns = np.arange(len(inputs.index)) * self.every, {}
             for name in self.columns:
-                holes = clean.of(name)
-                if holes is not (NONE if before is None else before.of(name)):
+                holes = clean.holes_of(name)
+                if holes is not (NONE if before is None else before.holes_of(name)):
                     lost = covered(holes, rows)
                     columns[name] = np.where(lost, np.nan, inputs[name])
             if clean.clip and (inputs["poa_global"] < 0).any():

@@ -166,7 +166,7 @@ class Products:
         self.poa, self.air, self.module = poa, air, module
         self.count, self.length, self.reach = count, length, count // 2
         self.cross = {}  # by the lag
-        self.seen = self.of(module, module).astype(bool)
+        self.seen = self.by_day(module, module).astype(bool)
         self.own = np.array([self.whole(poa, poa, j) for j in range(length)])
         self.of_air = np.array([self.whole(poa, air, j) for j in range(length)])
 
@@ -194,7 +194,7 @@ class Products:
             self.cross[lag] = self.whole(self.poa, self.module, lag)
         return self.cross[lag]
 
-    def of(self, one: np.ndarray, other: np.ndarray, lag: int = 0) -> Any:
+    def by_day(self, one: np.ndarray, other: np.ndarray, lag: int = 0) -> Any:
         """Products for each day of the first column."""
         later = np.zeros_like(other)
         end = len(other)
@@ -212,12 +212,14 @@ class Products:
         """Daily residual of a response that begins at a lag."""
         own = np.correlate(answer, answer, "full")[len(answer) - 1 :].copy()
         own[1:] *= 2
-        residual = self.of(self.module, self.module) + self.of(self.air, self.air)
-        residual -= 2 * self.of(self.air, self.module, lag)
+        residual = self.by_day(self.module, self.module) + self.by_day(
+            self.air, self.air
+        )
+        residual -= 2 * self.by_day(self.air, self.module, lag)
         for j in range(self.length):
-            residual -= 2 * answer[j] * self.of(self.poa, self.module, lag + j)
-            residual += 2 * answer[j] * self.of(self.poa, self.air, j)
-            residual += own[j] * self.of(self.poa, self.poa, j)
+            residual -= 2 * answer[j] * self.by_day(self.poa, self.module, lag + j)
+            residual += 2 * answer[j] * self.by_day(self.poa, self.air, j)
+            residual += own[j] * self.by_day(self.poa, self.poa, j)
         return residual
 
 

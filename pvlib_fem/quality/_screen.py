@@ -23,7 +23,7 @@ class Faults:
     masks: dict = field(default_factory=dict)  # kind to column to rows
     clipped: int = 0  # rows of a little negative irradiance by night
 
-    def of(self, name: str, besides: tuple = ()) -> np.ndarray:
+    def faulty_rows(self, name: str, besides: tuple = ()) -> np.ndarray:
         """Rows in which a column is at fault."""
         rows = np.zeros(len(self.record.index), dtype=bool)
         for kind, columns in self.masks.items():
@@ -34,7 +34,10 @@ class Faults:
     @property
     def impossible(self) -> dict:
         """Rows of each column that were not measured, those that repeat aside."""
-        found = {name: self.of(name, ("stuck",)) for name in self.record.inputs.columns}
+        found = {
+            name: self.faulty_rows(name, ("stuck",))
+            for name in self.record.inputs.columns
+        }
         return {name: int(np.count_nonzero(rows)) for name, rows in found.items()}
 
     @property
@@ -148,7 +151,7 @@ def screener(record: Record, limits: Limits, names: tuple | None = None) -> Scre
 def less(record: Record, found: Screener, clipped: int) -> tuple[Record, Faults]:
     """A record without what was found, and that."""
     faults = Faults(record, found.masks(), clipped)
-    holes = {name: faults.of(name) for name in found.clean.holes}
+    holes = {name: faults.faulty_rows(name) for name in found.clean.holes}
     clean = record.lacking(holes) if holes else record
     if (below := clean["poa_global"] < 0).any():
         clean = clean.put(0.0, {"poa_global": below})
@@ -270,7 +273,7 @@ def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening
         for name, rows in columns.items():
             masks[kind][labels[name]] = rows
     for name, label in labels.items():
-        if found.of(name).any() or (name == "poa_global" and found.clipped):
+        if found.faulty_rows(name).any() or (name == "poa_global" and found.clipped):
             cleaned[label] = clean[name]
     counts = found.counts.replace({"column": {n: str(c) for n, c in labels.items()}})
     return Screening(masks, counts, (*found.notes, *odd), cleaned, found.clipped)

@@ -118,7 +118,7 @@ class Screener:
             clipped = self.negative_by_day()
         for kind in ("out of range", "spike"):
             for name, one in self.ruled():
-                self.note(kind, name, *one.of(kind))
+                self.note(kind, name, *one.rows_of(kind))
         for name, one in self.ruled():
             if possible(name) is None:  # of which a lone one is a spike
                 far = self.limits.far**3
@@ -136,7 +136,7 @@ class Screener:
         sample, lost = self.sampled(), {}
         numbers = np.arange(len(sample.index)) * self.look.every
         for name in POSSIBLE:
-            spikes = self.look.columns[name].of("spike")[0]
+            spikes = self.look.columns[name].rows_of("spike")[0]
             rows = outside(sample[name], *of_any_unit(name))
             if (rows := rows | np.isin(numbers, spikes)).any():
                 lost[name] = rows
@@ -193,7 +193,7 @@ class Screener:
         limits, again = self.limits, False
         sample = self.sampled()
         for name, one in self.ruled():
-            rows, times, values = one.of("fill value")
+            rows, times, values = one.rows_of("fill value")
             if possible(name) is None and len(rows):
                 rounded, rest = np.round(values, 2), sample[name]
                 rest = rest[np.isfinite(rest) & ~np.isin(rest, values)]
@@ -240,7 +240,7 @@ class Screener:
             )
             self.look_again()
         rows = size(self.found.get("negative by day", {}).get("poa_global", spans([])))
-        beyond = self.look.columns["poa_global"].of("out of range")[2]
+        beyond = self.look.columns["poa_global"].rows_of("out of range")[2]
         return sum(below) - rows - int((beyond < 0).sum())
 
     def light_by_night(self) -> None:

@@ -448,7 +448,7 @@ class Reading:
     unit: str
     twice: bool  # whether it was converted from that unit twice, or is in it still
 
-    def of(self, values: np.ndarray) -> np.ndarray:
+    def in_celsius(self, values: np.ndarray) -> np.ndarray:
         """The column as it would be in °C."""
         factor, offset = UNITS["temperature"][self.unit]
         return (values - offset) / factor if self.twice else factor * values + offset
@@ -499,7 +499,9 @@ def of_difference(inputs: Inputs, night: Any) -> UnitDoubt:
     found = [
         one
         for one in READINGS
-        if believable(signs_of(inputs.having({one.name: one.of(inputs[one.name])})))
+        if believable(
+            signs_of(inputs.having({one.name: one.in_celsius(inputs[one.name])}))
+        )
     ]
     high, low = ("module", "air") if night > 0 else ("air", "module")
     why = f"at night it is {abs(night):.0f} above {low}"

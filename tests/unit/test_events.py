@@ -131,7 +131,7 @@ def test_few_days_have_the_noise_of_all_hours():
     number, values = days_of_noise(1.0, 1.0, days=20)
     noise = DayNoise(values, number, np.ones(len(number), dtype=bool))
     some = slice(42, 46)
-    assert noise.beyond(some) == (values[some].mean(), Noise(values).of(4))
+    assert noise.beyond(some) == (values[some].mean(), Noise(values).std_of_mean(4))
 
 
 def test_modules_that_are_covered_evenly_are_found_on_days_that_are_off(clean):

@@ -178,7 +178,7 @@ def test_a_mean_is_shrunk_by_its_uncertainty():
     table = Table.of((axis,), noisy, np.ones(len(times)), weeks)
     assert (table.shares < 1.0).all() and table.shares.mean() > 0.9
     few = slice(0, 24 * 7 * 3)
-    cut = axis.of(np.arange(len(times)) < few.stop)
+    cut = axis.on_rows(np.arange(len(times)) < few.stop)
     short = Table.of((cut,), noisy[few], np.ones(few.stop), weeks[few])
     assert short.shares.mean() < table.shares.mean()
 
