@@ -146,7 +146,7 @@ class Scan:
         inverse = np.linalg.inv(np.linalg.cholesky(steady(whole[1:, 1:])))
         return cls(design, columns, side, solve(whole), inverse.T, trust)
 
-    def worth(self, parts: np.ndarray, low: float, high: float) -> np.ndarray:
+    def square_falls(self, parts: np.ndarray, low: float, high: float) -> np.ndarray:
         """Fall of the sum of squares by a column of such sums, with a possible sign."""
         score, square, shared = parts[..., 0], parts[..., 1], parts[..., 2:]
         beyond = square - np.square(shared).sum(axis=-1)
@@ -188,18 +188,18 @@ class Scan:
         """
         days, sums = len(self.design.dates), self.sums(place)
 
-        def worth(parts: np.ndarray) -> np.ndarray:
-            return self.worth(parts, low, high)
+        def square_falls(parts: np.ndarray) -> np.ndarray:
+            return self.square_falls(parts, low, high)
 
         side, dates = self.side, self.design.dates
         profiles = {"drift": {"since": written(dates[0])}}
         starts = np.arange(side, days - side + 1)
         if len(starts):
-            falls = worth(sums[-1] - sums[starts])
+            falls = square_falls(sums[-1] - sums[starts])
             at = starts[int(np.argmax(falls))]
             if falls.max() > 0:
                 profiles["step"] = {"at": written(dates[at])}
-        ends = self.pair(sums, worth)
+        ends = self.pair(sums, square_falls)
         if ends is not None:
             first, last = ends
             start, end = written(dates[first]), written(dates[last - 1] + 1)
@@ -207,7 +207,7 @@ class Scan:
         return profiles
 
     def pair(
-        self, sums: np.ndarray, worth: Callable[[np.ndarray], np.ndarray]
+        self, sums: np.ndarray, square_falls: Callable[[np.ndarray], np.ndarray]
     ) -> tuple[int, int] | None:
         """First day and the day after the last of the best temporary change."""
         side, days = self.side, len(self.design.dates)
@@ -220,15 +220,15 @@ class Scan:
         pairs = pairs[(length >= side) & (length <= days - side) & inside]
         if not len(pairs):
             return None
-        falls = worth(sums[pairs[:, 1]] - sums[pairs[:, 0]])
+        falls = square_falls(sums[pairs[:, 1]] - sums[pairs[:, 0]])
         if not falls.max() > 0:
             return None
         low, high = pairs[int(np.argmax(falls))]
         for _ in range(3):
             lows = np.arange(side, high - side + 1)
-            low = lows[int(np.argmax(worth(sums[high] - sums[lows])))]
+            low = lows[int(np.argmax(square_falls(sums[high] - sums[lows])))]
             highs = np.arange(low + side, days - side + 1)
-            high = highs[int(np.argmax(worth(sums[highs] - sums[low])))]
+            high = highs[int(np.argmax(square_falls(sums[highs] - sums[low])))]
         return int(low), int(high)
 
 
@@ -263,7 +263,7 @@ def first_days(
     if "end" in dates:
         last = int(np.searchsorted(days, number(dates["end"])))
     starts = np.arange(1, max(last, 2))
-    falls = scan.worth(sums[last] - sums[starts], -1.0, 1.0)
+    falls = scan.square_falls(sums[last] - sums[starts], -1.0, 1.0)
     best = int(np.searchsorted(days, number(begin)))
     most = max(falls[min(max(best - 1, 0), len(falls) - 1)], 1e-12)
     # the difference to the best date's part, in standard errors of that part
@@ -278,7 +278,7 @@ def first_days(
 
 
 def trusted(design: "Design", given: Sequence[Column]) -> np.ndarray:
-    """How much each day counts: less, where some columns leave much of it."""
+    """Weight of each day: less where the residual of some columns is large."""
     rest = design.residual_given(given)
     squares = np.add.reduceat(rest**2 * design.rows, design.first)
     remaining = np.sqrt(squares / np.add.reduceat(design.rows, design.first))

@@ -213,7 +213,7 @@ def impossible(model: ThermalModel, corrected: bool) -> str:
 
 
 def own_checks(
-    finding: Finding, worth: float, fit: FileFit
+    finding: Finding, fall_on_means: float, fit: FileFit
 ) -> Iterator[tuple[Check, Because]]:
     """
     Checks of a finding by a fit to the own steps, each with why it fails.
@@ -221,8 +221,8 @@ def own_checks(
     Parameters
     ----------
     finding : Finding
-    worth : float
-        By how much the mean square of the means fell by it. [K²]
+    fall_on_means : float
+        Reduction of the mean square on the means by the finding. [K²]
     fit : FileFit
         Of the last model to the own steps.
 
@@ -235,11 +235,11 @@ def own_checks(
     stages = list(fit.scores.index)
     at = stages.index(f"+ {finding.effect}")
     before, after = stages[at - 1], stages[at]
-    # what means alone follow is none of the module's
+    # an effect on the means alone is none of the module
     squares, words = fit.scores["rmse_train"] ** 2, "share kept on the own steps"
     fall = float(squares[before] - squares[after])
-    keeps = fall / worth if worth > 0.0 else 1.0
+    keeps = fall / fall_on_means if fall_on_means > 0.0 else 1.0
     yield (
         Check(words, "", keeps, KEEPS),
-        because(Reason.LESS_ON_OWN_STEPS, gain=root(fall), means=root(worth)),
+        because(Reason.LESS_ON_OWN_STEPS, gain=root(fall), means=root(fall_on_means)),
     )

@@ -148,10 +148,10 @@ def screener(record: Record, limits: Limits, names: tuple | None = None) -> Scre
     return Screener.of(clean, limits, names)
 
 
-def less(record: Record, found: Screener, clipped: int) -> tuple[Record, Faults]:
-    """A record without what was found, and that."""
-    faults = Faults(record, found.masks(), clipped)
-    holes = {name: faults.faulty_rows(name) for name in found.clean.holes}
+def less(record: Record, screening: Screener, clipped: int) -> tuple[Record, Faults]:
+    """A record without the values at fault, and the faults."""
+    faults = Faults(record, screening.masks(), clipped)
+    holes = {name: faults.faulty_rows(name) for name in screening.clean.holes}
     clean = record.lacking(holes) if holes else record
     if (below := clean["poa_global"] < 0).any():
         clean = clean.put(0.0, {"poa_global": below})
@@ -259,24 +259,24 @@ def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening
     """
     limits = limits or Limits()
     record, labels = of_frame(data)
-    found = screener(record, limits)
-    found.fills()
-    odd = [*oddities(found.judged(), limits)]
-    clipped = found.rules()
-    odd += [f"{name} {reason}" for name, reason in found.doubts.items()]
-    found.ends()
-    found.standing(refuse=False)
-    clean, found = less(record, found, clipped)
+    screening = screener(record, limits)
+    screening.fills()
+    odd = [*oddities(screening.judged(), limits)]
+    clipped = screening.rules()
+    odd += [f"{name} {reason}" for name, reason in screening.doubts.items()]
+    screening.ends()
+    screening.standing(refuse=False)
+    clean, faults = less(record, screening, clipped)
     masks = {kind: pd.DataFrame(False, data.index, data.columns) for kind in KINDS}
     cleaned = data.copy()
-    for kind, columns in found.masks.items():
+    for kind, columns in faults.masks.items():
         for name, rows in columns.items():
             masks[kind][labels[name]] = rows
     for name, label in labels.items():
-        if found.faulty_rows(name).any() or (name == "poa_global" and found.clipped):
+        if faults.faulty_rows(name).any() or (name == "poa_global" and faults.clipped):
             cleaned[label] = clean[name]
-    counts = found.counts.replace({"column": {n: str(c) for n, c in labels.items()}})
-    return Screening(masks, counts, (*found.notes, *odd), cleaned, found.clipped)
+    counts = faults.counts.replace({"column": {n: str(c) for n, c in labels.items()}})
+    return Screening(masks, counts, (*faults.notes, *odd), cleaned, faults.clipped)
 
 
 def of_frame(data: pd.DataFrame) -> tuple[Record, dict]:

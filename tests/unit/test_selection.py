@@ -122,7 +122,7 @@ def test_the_best_step_is_that_of_all_fits(seed):
     scan = replace(Scan.of(made, [1], 7), trust=np.ones(60))
     sums = scan.sums(2)
     starts = np.arange(7, 54)
-    falls = scan.worth(sums[-1] - sums[starts], -1.0, 1.0)
+    falls = scan.square_falls(sums[-1] - sums[starts], -1.0, 1.0)
     for start, fall in zip(starts[::9], falls[::9]):
         both = np.column_stack([one, np.ones(len(days)) * (days >= start)])
         before = rest - one * (one @ rest) / (one @ one)
