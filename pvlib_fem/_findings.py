@@ -14,7 +14,7 @@ from pvlib_fem.reasons import Because
 
 
 class Verdict(StrEnum):
-    """What a finding is worth."""
+    """How sure a finding is, and whether it is in the model."""
 
     IDENTIFIED = "identified"
     AMBIGUOUS = "ambiguous"
@@ -91,7 +91,7 @@ class Check:
 
 
 class CheckOutcome(StrEnum):
-    """What a cross-check makes of a finding."""
+    """Result of a cross-check."""
 
     AGREES = "agrees"
     CONTRADICTS = "contradicts"
@@ -185,7 +185,7 @@ class Finding:
     effect : str
         Name of the effect, or the drivers along which unknown structure lives.
     candidates : tuple of str
-        All names that the data cannot tell from it, itself included.
+        All names that the data cannot distinguish from it, itself included.
     verdict : Verdict
         ``"identified"``; ``"ambiguous"``, one of the candidates; ``"hint"``, not
         added to the model; ``"unexplained"``, which no effect explains.
@@ -197,7 +197,7 @@ class Finding:
     because : Because
         The reason for the verdict.
     checks : tuple of Check
-        The rules in the order in which they were asked; of a finding that was not
+        The rules in the order in which they were applied; of a finding that was not
         added, up to the one that failed.
     kind : Kind
     where : dict

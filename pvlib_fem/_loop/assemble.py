@@ -118,7 +118,7 @@ def outcome(search: "Search", last: Step, base: str) -> Loop:
 
 
 def repeatable(search: "Search", last: Step) -> list[Table]:
-    """Tables of what the last step leaves, where there are days enough."""
+    """Tables of the residual of the last step, where there are enough days."""
     if search.last is None or (search.findings and not search.case.enough):
         return []
     return repeated(search.fits, last, search.last.selection.least)

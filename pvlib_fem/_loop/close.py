@@ -1,4 +1,4 @@
-"""Close the loop: from the residual to the missing effect, and what it was worth."""
+"""Close the loop: from the residual to the missing effects, and their gain."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -134,10 +134,10 @@ def close_loop(
         :func:`pvlib_fem.transpose_record` does, also in files. ``predict`` does so,
         too.
     stand_ins : str or sequence of str, optional
-        Second sources that stand in for air temperature or wind where those lack, such
-        as ``temp_air_2``, as :func:`pvlib_fem.fill_record` does. ``predict`` does so,
-        too. Without it a second source is a cross-check alone. In files one stands in
-        only for a column that they lack.
+        Second sources that stand in for air temperature or wind where these are
+        missing, such as ``temp_air_2``, as :func:`pvlib_fem.fill_record` does.
+        ``predict`` does so, too. Without it a second source is a cross-check alone. In
+        files one stands in only for a column that is missing.
     mount : pvlib.pvsystem.SingleAxisTrackerMount, optional
         A tracker, instead of the two angles. By night, and wherever ``get_orientation``
         gives no angles, the modules are horizontal.
@@ -411,7 +411,7 @@ class Search:
         return self.with_findings(plain, this, step.coefficients)
 
     def round(self, step: Step) -> Round:
-        """What the remaining error of a step asks for, all effects taken back."""
+        """The selection by the remaining error of a step without its effects."""
         case = self.case
         there = {e.name for e in step.model.effects if not e.sensor_fault}
         wanted = [effect for effect in case.wanted if effect.name not in there]
@@ -511,7 +511,7 @@ class Search:
         return self.fits.fitted(model, step, step.coarse)
 
     def contradicted(self, step: Step) -> tuple[Finding, Check, Because] | None:
-        """The first finding that the own steps of files speak against, or None."""
+        """The first finding that a fit to the files' own steps contradicts, or None."""
         if self.own is None:
             return None
         self.report("fitting the record's own steps")

@@ -214,7 +214,7 @@ def hints(
     rows : dict of Row
         The ranking, by name of the effect.
     findings : sequence of Finding
-        Those of the model, and those that were refused.
+        Findings of the model, and findings that were refused.
     floor : float
         Fall of the mean square that is material. [K²]
 
@@ -276,7 +276,7 @@ def not_seen(
         Reasons of those that are in no ranking.
     findings : sequence of Finding
     whole : float
-        Error of the model without effects, beyond which nothing is seen. [K]
+        Error of the model without effects, which no gain exceeds. [K]
 
     Yields
     ------

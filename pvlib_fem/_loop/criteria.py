@@ -33,7 +33,7 @@ class Criteria:
         One of this many weeks is a test week, whose module temperature no decision
         sees. [weeks]
     min_gain : float
-        Gain that is worth an effect: root of the fall of the mean square error on
+        Least gain of an effect: root of the reduction of the mean square error on
         weeks left out in turn. The default is a third of the 0.4 K of a contact
         sensor. [K]
     min_share : float

@@ -1,9 +1,9 @@
 """
 The linearised fit: hourly, daily and weekly tangents and residuals.
 
-Everything that the selection asks is a least squares of a few columns. Products of
-daily sums of all columns are made once; a change of an instrument from a date on is a
-column times a weight of each day, so that no date needs a pass over the rows.
+The selection solves least-squares problems of a few columns. Products of daily sums of
+all columns are computed once. A change of an instrument from a date on is a column
+times a weight of each day, so that no date needs a pass over the rows.
 """
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
@@ -79,7 +79,7 @@ class Design:
     days : array of int, shape (cells,)
         Day of each cell, from 1970-01-01.
     base : tuple of int
-        Columns of the fitted coefficients and of what a misshapen steady model leaves.
+        Columns of the fitted coefficients and of errors of the steady model's shape.
     own : dict of tuple of int
         Columns of each effect that has no date.
     effects : dict of Effect
@@ -126,7 +126,7 @@ class Design:
             Of which ``evidence.rows`` are rows.
         lifted : sequence of (Effect, dict)
             Effects of the fitted model, with their coefficients, which the selection
-            may take or leave: what they explain goes back into the residual.
+            may add or not: what they explain is added to the residual.
         drivers : sequence of str
             Measured columns beyond the usual ones.
         """
@@ -558,7 +558,7 @@ def drivers_of(
     record: Record, rows: np.ndarray, drivers: Iterable[str]
 ) -> dict[str, np.ndarray]:
     """Inputs, geometry and measured drivers of a record at some rows."""
-    # power follows the light itself, and would sort by what it should tell
+    # power follows irradiance, and a table by power would explain irradiance
     names = {*COLUMNS[:3], *GEOMETRY, *drivers} & {*record.inputs.columns} - {
         "p_dc_per_area"
     }

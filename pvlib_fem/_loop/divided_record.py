@@ -83,10 +83,10 @@ class Case:
     @cached_property
     def days(self) -> int:
         """
-        Days that count.
+        Number of days that count.
 
-        Those of the fitting rows, with as many test days as the division gives them.
-        What the module does on test days has no say.
+        These are the days of the fitting rows, and as many test days as the division
+        gives them. The module temperature of test days has no influence.
         """
         fitting = self.parts == Part.FITTING
         every = self.whole.count_days(np.ones_like(fitting))

@@ -2,8 +2,8 @@
 Columns of a user's own that are made from the module's temperature.
 
 A model splits the temperature `T` into what it explains, `M`, and the remaining error,
-`r = T - M`. A cause of `r` cannot know `M` beyond what any function of the usual inputs
-knows of it. What is made from `T` knows both, by the same coefficient.
+`r = T - M`. A cause of `r` does not depend on `M` beyond any function of the usual
+inputs. A column made from `T` depends on both, by the same coefficient.
 """
 
 from collections.abc import Iterable, Iterator
@@ -127,7 +127,7 @@ def asleep(column: np.ndarray, poa_global: np.ndarray) -> np.ndarray:
     """
     Rows of a column at its most frequent value through a night, as a voltage of 0.
 
-    It tells nothing there of a temperature, and the jump in the morning is large.
+    These rows do not depend on a temperature, and the jump in the morning is large.
     """
     finite = column[np.isfinite(column)]
     values, counts = np.unique(finite, return_counts=True)
@@ -188,7 +188,7 @@ def coefficients(columns: np.ndarray, table: np.ndarray) -> np.ndarray:
 
 
 def held_out(column: np.ndarray, others: np.ndarray, folds: np.ndarray) -> np.ndarray:
-    """Squares that a regression leaves on groups of weeks that did not make it."""
+    """Squared errors of a regression on groups of weeks that it was not fitted to."""
     squares = np.empty(len(column))
     for fold in range(FOLDS):
         out = folds == fold

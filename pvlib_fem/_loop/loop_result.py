@@ -53,7 +53,7 @@ Result = TypeVar("Result", pd.DataFrame, pd.Series)
 @dataclass(frozen=True, eq=False)
 class Loop:
     """
-    The closed loop: what a record shows beyond the model, and what that is worth.
+    The closed loop: what a record shows beyond the model, and its gain.
 
     ``print(loop)`` is a summary of at most 25 lines; ``loop.report()`` has all.
 
@@ -195,8 +195,8 @@ class Loop:
         How much of the error could still be explained by the record's columns.
 
         Boosted trees (scikit-learn's ``HistGradientBoostingRegressor`` [1]_) describe
-        what the model without findings leaves on the fitting weeks: by all columns of
-        the record, their past values (three steps before, means of 1, 6 and 24 h
+        the residual of the model without findings on the fitting weeks, by all columns
+        of the record, their past values (three steps before, means of 1, 6 and 24 h
         before), hour, day of the week and season, the place of the sun where the
         location is known, and the date. Their number is that which describes every
         fifth of the fitting weeks best, when trees are grown on the others. They are

@@ -1,10 +1,10 @@
 """
-What nobody declared: random effects, and the probability of a cause outside.
+Undeclared causes: random effects, and the probability of a cause outside.
 
-Patterns that repeat from week to week are random effects of tables, which the columns
-are whitened by. A true effect has the same size under all conditions in which it acts,
-and its law leaves nothing along its own drivers. What stands in for something unknown
-loses its size within those tables, or leaves as much as it explains.
+Patterns that repeat from week to week are random effects of tables, by which the
+columns are whitened. A true effect has the same size under all conditions in which it
+acts, and no residual along its own drivers. An effect that replaces an unknown cause
+loses its size within those tables, or has a residual as large as what it explains.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -129,12 +129,12 @@ def misfits(
     design: "Design", one: "Candidate", given: Sequence["Column"], fall: float
 ) -> list[float]:
     """
-    What a law leaves along its own drivers, over what the best law explains.
+    Residual of a law along its own drivers, relative to what the best law explains.
 
     Roots of mean squares, along the measured drivers and along its own columns; of a
-    change, along the hours of the day. A law leaves no more than its relative error; an
-    unknown cause that follows the same drivers in another shape leaves as much as it
-    explains.
+    change, along the hours of the day. The residual of a law is no larger than its
+    relative error. That of an unknown cause, which follows the same drivers in another
+    shape, is as large as what it explains.
     """
     if not fall > 0.0 or one.effect.confounder:
         return []
@@ -156,7 +156,7 @@ def misfits(
 
 def of_hours(design: "Design", one: "Candidate", rest: np.ndarray) -> Table:
     """
-    The table by hour of what a change leaves, on days with more and with less of it.
+    Table by hour of the residual of a change, on days with more and with less of it.
 
     A sensor that has changed deviates by its law at every hour. Heat that comes and
     goes with a season does so at its own hours. What an hour has on all days is not of
@@ -182,7 +182,8 @@ def likelihoods(
     How likely sizes within tables and misfits are, by a law and by something unknown.
 
     What is unknown follows other inputs, or the same drivers in another shape: one as
-    often as the other. Of tables, and of misfits, by what speaks most against the law.
+    often as the other. Of tables, and of misfits, the largest evidence against the law
+    counts.
     How well laws fit is in the weights of the members, so that a misfit is compared
     with that of something unknown alone.
     """

@@ -406,8 +406,8 @@ def with_answer(
     """
     The record with the module temperature of the test rows, and the stuck ones.
 
-    Of that answer nothing is known to any rule; what it shows of a sensor is of the
-    test rows alone. Reported counts are of both.
+    No other rule uses these temperatures; a stuck sensor that they show is masked on
+    the test rows alone. Reported counts are of both.
 
     Parameters
     ----------

@@ -38,14 +38,14 @@ from pvlib_fem.reasons import Because, Reason, because
 
 POWER = 0.8  # chance to see an effect of the minimum detectable size
 LARGEST = 1e3  # standard errors, beyond which no size would be seen
-UNSEEN = 1e-6  # of a column's square: what rounding leaves of it given others
+UNSEEN = 1e-6  # of a column's square: its residual given others, by rounding
 SEEN = 0.95  # probability from which an effect is there
 TIED = 0.85  # share of its part that another explains, too
 
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """What one candidate is worth given what a model has."""
+    """Gain of one candidate given the effects of a model."""
 
     effect: Effect
     score: Score
@@ -232,7 +232,7 @@ def rank_effects(
     Rank absent effects by what each would explain on days it has not seen.
 
     Every effect enters as the tangent of the fitted model, conditional on the
-    tangents of all fitted coefficients and on what any misshapen steady model leaves
+    tangents of all fitted coefficients and on errors of the steady model's shape
     (curvature, a slower mass, a late record), so that none is credited with
     repairing those. Gains are measured on weeks left out in turn.
 
@@ -273,7 +273,7 @@ def rank_effects(
         spread between weeks, for this candidate alone;
         ``coefficients``, ``stderr``: dicts of what it would take;
         ``physical``: whether those are within the effect's bounds, as far as
-        their errors let say;
+        their errors allow;
         ``minimum_detectable``: the smallest gain that this record would have
         shown in four of five cases [K];
         ``rows``: on which its drivers are there;

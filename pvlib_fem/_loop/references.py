@@ -49,7 +49,7 @@ NEIGHBOURS = 4  # compared days before and after one that may be as it is
 OUTLIER = 4.0  # interquartile ranges from the median: snow, a fault, clipped power
 HAZE = 0.02  # of a clear sky's light, from year to year: aerosol and water [-]
 WINDINESS = 0.1  # of the mean wind, from season to season and from year to year [-]
-WORTH = 0.05  # probability from which what a reference says of a member is reported
+WORTH = 0.05  # probability of a member from which its cross-checks are reported
 ODD = 0.05  # probability that a reference shows something else than any candidate
 SKY, USUAL_WIND = "clear sky", "usual wind"  # no names of columns
 
@@ -402,7 +402,7 @@ def independent(values: np.ndarray, months: np.ndarray) -> float:
 
 
 def outcome_of(size: float, expected: float, error: float) -> CheckOutcome:
-    """Whether a size is nearer to what is expected than to nothing, if that is sure."""
+    """Whether a size is significantly nearer to the expected one than to 0."""
     if expected == 0.0:
         return CheckOutcome.CANNOT_TELL
     beyond = (size - HALF * expected) / expected
@@ -518,10 +518,10 @@ def log_likelihoods(
     """
     Log-likelihoods of the members of a choice, and of a cause outside, by references.
 
-    How far a reference deviates along the time profile of the best member is compared
-    with what each member would have it show; a cause that is in no instrument shows
-    nothing. Time profiles of one instrument are compared by what each leaves of the
-    reference.
+    The deviation of a reference along the time profile of the best member is compared
+    with the deviation that each member predicts; a cause that is in no instrument
+    predicts none. Time profiles of one instrument are compared by the residual of the
+    reference given each.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The fits of a case, one step after the other, and what each leaves."""
+"""The fits of a case, one step after the other, and their residuals."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -32,7 +32,7 @@ Ready = tuple[Mapping[str, float] | None, Record, dict[str, Tabled]]
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """A fitted model, and what it says of every row."""
+    """A fitted model, and its temperature of every row."""
 
     model: ThermalModel
     coefficients: dict[str, float]
@@ -92,7 +92,7 @@ class Fits:
     def better(self, steps: Mapping[str, Step]) -> str:
         """The better dynamics, on fitting weeks left out in turn, to first order."""
         names = ["fem", "balance"]
-        # a memory that is held leaves no choice
+        # with a fixed memory there is no choice
         if memory := MEMORIES & {*self.case.fixed}:
             names = [n for n in names if memory <= {*MEMORY[BASES[n]]}]
         if self.case.divisible:
@@ -225,7 +225,7 @@ class Fits:
             tabled[effect.name] = (effect, *tables((effect,), made))
             columns = made.inputs.columns
             if place == "whole" and tabled[effect.name][1] is not effect:
-                # a table says all of it: its drivers are as many rows again
+                # the table replaces its drivers, which are as many rows again
                 columns = columns.only([n for n in MODELLED if n in columns])
             larger = larger.having(columns)
         self.ready[place] = (model.base, larger, tabled)
@@ -237,7 +237,7 @@ class Fits:
         case = self.case
         self.prepared(case.record, step.model)
         base, record, tabled = self.ready["coarse"]
-        # what the next round asks for, too
+        # the next round needs these, too
         record = replace(record, inputs=with_measured(record.inputs, candidates))
         self.ready["coarse"] = base, record, tabled
         return gather(

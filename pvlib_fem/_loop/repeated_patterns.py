@@ -1,4 +1,4 @@
-"""Unexplained but repeatable patterns: tables of what the last step leaves."""
+"""Unexplained but repeatable patterns: tables of the residual of the last step."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -27,11 +27,11 @@ CYCLES = 2  # times that each table is estimated again, given all others
 
 def repeated(fits: "Fits", step: "Step", least: float) -> list[Table]:
     """
-    Tables of the error that a step leaves on the fitting weeks, the strongest first.
+    Tables of the residual of a step on the fitting weeks, the strongest first.
 
-    Tables of clock, calendar and present columns come first. Then those of what these
-    leave, with the past of irradiance and air. Each is estimated given all others
-    (backfitting [1]_).
+    Tables of clock, calendar and present columns come first. Then tables of
+    their residual, with the past of irradiance and air. Each is estimated given all
+    others (backfitting [1]_).
 
     Parameters
     ----------

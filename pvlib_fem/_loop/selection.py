@@ -1,4 +1,4 @@
-"""Which candidates the remaining error asks for, and how sure each is."""
+"""Selection of candidates by the remaining error, with their probabilities."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
@@ -99,7 +99,7 @@ def selected(
     design: Design, criteria: Criteria, closed: frozenset[str] = frozenset()
 ) -> tuple["Selection", list[Choice]]:
     """
-    A selection and its choices, by the noise that they leave.
+    A selection and its choices, given the noise that remains.
 
     Parameters
     ----------
@@ -475,7 +475,7 @@ def rows_of(one: Candidate, design: Design) -> list[Parameter]:
 def possible(
     rows: Sequence[Parameter], estimate: np.ndarray, stderr: np.ndarray
 ) -> bool:
-    """Whether coefficients are within their bounds, as far as a tangent can say."""
+    """Whether coefficients are within their bounds, to first order."""
 
     def slack(bound: float, error: float) -> float:
         return max(SLACK_ERRORS * error, SLACK * abs(bound))

@@ -22,7 +22,7 @@ from pvlib_fem.effects._time_profiles import number, written
 
 WARMS = 0.03  # K/(W/m²), of a module over the air: its power needs no more
 AROUND = 30  # days before and after, that power is compared with
-REACH = 10  # days: a test week, and dull days beside it
+REACH = 10  # days: a test week, and dull days next to it
 FEWEST = 8  # of those
 MAD = 1.4826  # median absolute deviation of a normal quantity to its sd
 LEAST = 0.03  # by which power for the light differs between dull and clear days [-]

@@ -44,8 +44,8 @@ class Evidence:
     base : tuple of str
         The fitted coefficients.
     misfits : tuple of str
-        Columns that a misshapen steady model leaves: functions of the usual inputs,
-        with which no effect is credited.
+        Columns of errors of the steady model's shape: functions of the usual inputs,
+        which count for no effect.
     own : dict of tuple of str
         Columns of each effect.
     effects : dict of Effect
@@ -127,7 +127,7 @@ def gather(
     fixed : sequence of str
         Coefficients that are held, or at a bound, where they stay.
     least : float
-        Gain from which an obstacle before the sun is worth its edges. [K]
+        Gain from which the edges of an obstacle before the sun are fitted. [K]
     """
     # coefficients of its effects as they are fitted now
     model = replace(model, base={**coefficients, **(model.base or {})})
@@ -287,13 +287,13 @@ def broken(error: Exception) -> Because:
 
 @dataclass(frozen=True, eq=False)
 class Tangents:
-    """Slopes of a model's temperature at some rows, by these and what they remember."""
+    """Slopes of a model's temperature at some rows, from these and earlier rows."""
 
     model: ThermalModel  # which knows its effects on those that are read
     inputs: Inputs  # of those
     coefficients: dict[str, float]
     read: np.ndarray  # rows of the record
-    places: np.ndarray  # of those asked for among them
+    places: np.ndarray  # of the requested rows among them
 
     @classmethod
     def of(
@@ -334,7 +334,7 @@ class Tangents:
 
         Returns
         -------
-        dict of array, shape (rows asked for,)
+        dict of array, shape (requested rows,)
         """
         wanted, further = also is None, also or {}
         terms = {name: held(one.part(self.read)) for name, one in further.items()}
@@ -463,7 +463,7 @@ def misfits(
         By the model without bias. [°C]
     record : Record
     rows : array of int
-        Those that count.
+        Rows that count.
 
     Returns
     -------

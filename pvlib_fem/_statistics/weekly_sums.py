@@ -66,7 +66,7 @@ class LeastSquares:
 
     @cached_property
     def scores(self) -> np.ndarray:
-        """Products of all columns with what the fit leaves of each week."""
+        """Products of all columns with the residual of the fit, by week."""
         return self.weekly[:, 1:, 0] - self.weekly[:, 1:, 1:] @ self.solved
 
     @cached_property
