@@ -48,7 +48,7 @@ DATES += ("%d/%m/%y", "%m/%d/%y", "%d.%m.%y", "%Y%m%d", "%m-%d-%Y", "%Y.%m.%d")
 DATES += ("%b %d, %Y", "%d %b %Y", "%d-%b-%Y", "%d-%b-%y", "%d/%b/%Y", "%b %d %Y")
 DATES += ("%B %d, %Y", "%d %B %Y")
 HOURS = ("%H:%M", "%H:%M:%S", "%I:%M %p", "%I:%M:%S %p", "%H:%M:%S.%f", "%H.%M", "%H%M")
-HOURS += ("%I:%M%p", "%I:%M:%S%p")
+HOURS += ("%I:%M%p", "%I:%M:%S%p", "%Hh%M")  # the last as in French
 #: parts of a time that have columns of their own, by their names: of a year, of a day
 OF_YEAR = (
     {"%Y": r"year|yr|yyyy", "%m": r"month|mon", "%d": r"day( of month)?|dd"},

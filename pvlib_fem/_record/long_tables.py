@@ -6,6 +6,7 @@ import pandas as pd
 
 from pvlib_fem._spelling import did_you_mean
 
+NAME = r"\W*[^\W\d]"  # what is read has a name that begins with a letter
 FEWEST, MOST = 3, 1000  # tags that a table may have
 EVEN = 0.5  # share of the most frequent tag's rows that each of the usual has, at least
 FULL = 0.5  # share of the cells that have to be there, where tags share their times
@@ -66,6 +67,8 @@ def tag_and_value(data: pd.DataFrame, times: list) -> Any:
     numeric = [c for c in others if kinds.is_numeric_dtype(data[c])]
     for column in others:
         if column in numeric or data[column].isna().any():
+            continue
+        if not data[column].astype(str).str.match(NAME).all():  # times, or codes
             continue
         rows = data[column].value_counts()
         several = FEWEST <= len(rows) <= min(MOST, len(data) // FEWEST)

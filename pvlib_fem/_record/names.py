@@ -18,12 +18,12 @@ NAMES = {
     "poa_global": (
         r"poa|gti|gpoa|tilt|inclin|plane|modulebene|(^|_)g[\s_.-]*front",
         r"irr|einstrahl|insol|^g$|^g_?i$|pyran|global|solar_?rad|strahlung|rayonn|"
-        r"ensoleil",
+        r"ensoleil|eclairement",
     ),
     "temp_module": (
-        r"(mod(ul\w*)?|panel|array|back(sheet)?|bom|pv|cell|zell)[\s_.-]*(\d+[\s_.-]*)?"
+        r"(mod(ul\w*)?|pan(el|neau)|array|back(sheet)?|bom|pv|cell|zell)[\s_.-]*(\d+[\s_.-]*)?"
         r"t(?!ilt|ot|yp|ime|rack)|"
-        r"t(emp\w*)?[\s_.-]*(mod|panel|array|back|bom|pv|cell|zell)|"
+        r"t(emp\w*)?[\s_.-]*(mod|pan(el|neau)|array|back|bom|pv|cell|zell)|"
         r"(^|_)t\d+[\s_.-]*(mod|panel|array|back|bom|pv|cell|zell)",
         r"^bom[\s_.-]?\d*$|^tc[\s_.-]?\d|^thermoc\w*[\s_.-]*\d*$|^t_?m[\s_.-]?\d*$",
     ),

@@ -90,7 +90,19 @@ def in_spanish(data, path):
     marked.set_axis(clock).to_csv(path, index_label="Fecha")
 
 
+def in_french(data, path):
+    """The date and such as 14h30 in two columns, accents of Windows, km/h."""
+    data = data.assign(wind_speed=(3.6 * data["wind_speed"]).round(2))
+    names = "Éclairement plan modules (W/m²)", "Temp. extérieure (°C)"
+    names += ("Vitesse du vent (km/h)",)
+    data = called(data, *names, *(f"Temp. panneau {n} (°C)" for n in (1, 2, 3)))
+    data.insert(0, "Date", data.index.strftime("%d/%m/%Y"))
+    data.insert(1, "Heure", data.index.strftime("%Hh%M"))
+    data.to_csv(path, sep=";", decimal=",", index=False, encoding="cp1252")
+
+
 FILES = {
+    in_french: {"--time": "Date,Heure", "--time-format": "%d/%m/%Y %Hh%M"},
     portal: {"--encoding": "utf-16", "--decimal": ",", "--skip-rows": "1"},
     historian: {"--tag": "Tag", "--value": "Value"},
     dates_once: {"--time": "Date,Time", "--time-format": "%d/%m/%Y %H:%M"},
@@ -209,6 +221,8 @@ def test_units_and_words_are_no_marks():
         ("Vitesse du vent", "wind_speed"),
         ("Velocidade do vento", "wind_speed"),
         ("Rayonnement incliné", "poa_global"),
+        ("Éclairement plan modules (W/m²)", "poa_global"),
+        ("Temp. panneau (°C)", "temp_module"),
         ("Thermocouple 3", "temp_module"),
         ("Event", None),
         ("TC_status", None),
