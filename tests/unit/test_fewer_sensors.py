@@ -583,7 +583,7 @@ def test_rear_irradiance_is_no_second_sensor_of_the_front(tmp_path):
     data = bifacial(rear_irradiance=0.0).iloc[: 48 * 40]
     loop = fem.close_loop(data)
     assert "driver:poa_rear" not in {*loop.ranking.index, *loop.untestable}
-    assert not any("vouch" in note for note in loop.notes)
+    assert not any("cross-check" in note for note in loop.notes)
     headers = ["POA (W/m2)", "T amb", "T mod", "Wind", "LW", "POA rear (W/m2)"]
     data.set_axis(headers, axis=1).tz_localize(None).to_csv(tmp_path / "rear.csv")
     line = proposed(call("loop", tmp_path / "rear.csv"))
