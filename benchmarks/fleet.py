@@ -116,7 +116,7 @@ def killer(after):
     """Gets each answer, and ends one worker in mid-run."""
     seen = []
 
-    def tell(answer):
+    def count(answer):
         seen.append(answer)
         if len(seen) == after:
             workers = psutil.Process().children(recursive=True)
@@ -124,10 +124,10 @@ def killer(after):
             spawned[0].kill()
             print(f"killed a worker after {after} systems", file=sys.stderr)
 
-    return tell
+    return count
 
 
-def told(results, truth):
+def findings_of(results, truth):
     """How often what was done was found, and what sites share."""
     findings = results.findings
     added = findings[findings["added"]]
@@ -221,7 +221,7 @@ def main():
         line("a result", f"{max(sizes) / 1e3:.0f} kB at most", "< 1 MB")
         made_in, _ = timed(lambda: fleet.report(out, folder / "fleet.html"))
         line("the page of all", f"{made_in:.1f} s")
-        for words, value in told(results, truth):
+        for words, value in findings_of(results, truth):
             line(words, value)
 
 

@@ -95,9 +95,9 @@ def run(families=None, quick=False, processes=2, shifts=(0,), every=1):
     for (_, cases), shift, some in made:
         rows += [row | {"shift": shift} for row in some]
         if done not in (None, cases[0].family):
-            told(rows, done, begin)
+            report_progress(rows, done, begin)
         done = cases[0].family
-    told(rows, done, begin)
+    report_progress(rows, done, begin)
     table = pd.DataFrame(rows)
     for column in COLUMNS:
         if column not in table:
@@ -124,7 +124,7 @@ def listed(value):
     return value if isinstance(value, tuple) else ()
 
 
-def told(rows, family, begin):
+def report_progress(rows, family, begin):
     count = sum(row["family"] == family for row in rows)
     print(
         f"{family}: {count} records, {time.perf_counter() - begin:.0f} s",
@@ -205,8 +205,8 @@ def hardly_worse(row):
 
 def no_step(row):
     """Whether every reported step of an instrument is ambiguous with a truth."""
-    told = [*listed(row["named_wrong"]), *listed(row["class_wrong"])]
-    return not any(name.split("|")[0].endswith("_step") for name in told)
+    names = [*listed(row["named_wrong"]), *listed(row["class_wrong"])]
+    return not any(name.split("|")[0].endswith("_step") for name in names)
 
 
 def sound(row):
@@ -218,7 +218,7 @@ def always(row):
     return True
 
 
-#: words in which each fault of a logger is told
+#: words in which each fault of a logger is reported
 TOLD = {
     "clock_shift": ("timestamps of temp_module", "clock of temp_module"),
     "clock_drift": ("timestamps of temp_module", "clock of temp_module"),

@@ -113,16 +113,18 @@ def looked(seed):
     loop = close_loop(data, check_units=False, **world.place)
     added = [f for f in loop.finding_objects if f.added]
     truths = {f"{name}_{course}" for name in SAME.get(channel, (channel,))}
-    told = [f for f in added if {*f.candidates} & {*CHANGES}]
+    reported = [f for f in added if {*f.candidates} & {*CHANGES}]
     right = [f for f in added if truths & {*f.candidates}]
     wrong = [
-        f.effect for f in told if f.verdict == "identified" and f.effect not in truths
+        f.effect
+        for f in reported
+        if f.verdict == "identified" and f.effect not in truths
     ]
     there = PRESENT | {*CHANGES}
     other = [
         f.effect for f in added if f.verdict == "identified" and f.effect not in there
     ]
-    misled = ["|".join(f.candidates) for f in told if not truths & {*f.candidates}]
+    misled = ["|".join(f.candidates) for f in reported if not truths & {*f.candidates}]
     row = dict(seed=seed, channel=channel, course=course, size=size, power=power)
     row |= dict(days=world.days, found=bool(right), wrong=wrong, misled=misled)
     row["other"] = other
@@ -135,7 +137,7 @@ def looked(seed):
     )
     row["clear"] = off is not None and clear(loop, off, own(world, channel, course, at))
     row["dates"] = dated(loop, right, world, course, at)
-    row["told"] = told_of(right, channel, course, size, world.days / 365.0)
+    row["told"] = coefficient_of(right, channel, course, size, world.days / 365.0)
     errors = loop.table["rmse_test"]
     row["before"], row["after"] = float(errors[loop.base]), float(errors.iloc[-1])
     return row
@@ -168,7 +170,7 @@ def clear(loop, off, change):
     return bool(root(taken - idle) >= CLEARLY * smallest(off, change.name))
 
 
-def told_of(right, channel, course, size, years):
+def coefficient_of(right, channel, course, size, years):
     """The coefficient of the change with its truth, error and range, by its name."""
     if not right or len(right[0].coefficients) > 1:  # a season leads the class
         return {}
@@ -197,7 +199,7 @@ def expected(channel, named, size):
 
 
 def dated(loop, right, world, course, at):
-    """Whether the day is within its interval, and how far the told one is off. [d]"""
+    """Whether the day is within its interval, and how far its date is off. [d]"""
     if not right or course == "drift":
         return None
     effects = {e.name: e for e in loop.fit.effects}
@@ -206,9 +208,9 @@ def dated(loop, right, world, course, at):
         return None
     begin = pd.Timestamp(world.start) + pd.Timedelta(days=at[0])
     low, high = map(pd.Timestamp, settings["between"])
-    told = pd.Timestamp(settings.get("at", settings.get("start")))
+    date = pd.Timestamp(settings.get("at", settings.get("start")))
     inside = low <= begin.ceil("D") and begin.floor("D") <= high
-    return bool(inside), abs((told - begin) / pd.Timedelta("1D"))
+    return bool(inside), abs((date - begin) / pd.Timedelta("1D"))
 
 
 def run(records, first, processes):

@@ -38,7 +38,7 @@ SURE = 1.96  # standard errors: of a coefficient's own interval of 95 %
 
 
 @dataclass(frozen=True)
-class Told:
+class Summary:
     """What a loop said of one division of a record."""
 
     draw: str
@@ -68,7 +68,7 @@ def drawn(index, seed):
     return pd.Series(weeks.isin(each[some]), index)
 
 
-def told(name, seed=None):
+def summary_of(name, seed=None):
     """The loop on a record, of which the weeks are drawn with that seed."""
     data = datasets.load(name)
     place = {}
@@ -95,7 +95,7 @@ def told(name, seed=None):
     errors = {step: float(errors[step]) for step in ("steady", "fem", loop.last)}
     words = "every fifth" if seed is None else str(seed)
     seconds = time.perf_counter() - begin
-    return Told(words, tuple(found), sizes, tuple(cross_checks), errors, seconds)
+    return Summary(words, tuple(found), sizes, tuple(cross_checks), errors, seconds)
 
 
 def run(draws, processes):
@@ -104,7 +104,7 @@ def run(draws, processes):
     tasks = [(name, seed) for name in YEARS for seed in seeds]
     tasks += [(name,) for name in SHORT]
     found = {}
-    for (name, *_), one in zip(tasks, spread(told, tasks, processes)):
+    for (name, *_), one in zip(tasks, spread(summary_of, tasks, processes)):
         found.setdefault(name, []).append(one)
         print(f"{name}: {one.draw}", file=sys.stderr)
     return found

@@ -25,7 +25,7 @@ def by_rules(options):
         git("worktree", "add", "--detach", str(tree), COMMIT)
         try:
             script = shutil.copy(__file__, tree / "tests")
-            command = [sys.executable, script, "--inside", *told(options)]
+            command = [sys.executable, script, "--inside", *arguments_of(options)]
             paths = os.environ | {"PYTHONPATH": str(tree)}
             subprocess.run(command, cwd=tree, env=paths, check=True)
         finally:
@@ -36,7 +36,7 @@ def git(*words):
     subprocess.run(["git", *words], cwd=ROOT, check=True)
 
 
-def told(options):
+def arguments_of(options):
     """The gate's records, in words for a script that does not know them."""
     from study_worlds import (
         GATE_EVERY,

@@ -212,7 +212,7 @@ def looked(world, case, data, off=None):
         return None, row | {"broken": broken, "first": "broken"}
     row["seconds"] = time.perf_counter() - begin
     row |= said(loop, case, world) | errors(loop, data, case, off, world.site)
-    row["told"] = told(loop, world, case, off)
+    row["told"] = coefficients_of(loop, world, case, off)
     row["coefficients"] = ratios(row["told"], case)
     return loop, row
 
@@ -358,7 +358,7 @@ def root(square):
     return math.copysign(math.sqrt(abs(square)), square)
 
 
-def told(loop, world, case, off):
+def coefficients_of(loop, world, case, off):
     """Each coefficient with its truth, error and range, by switch."""
     known = {}
     for switch, size in sizes_of(world, case).items():

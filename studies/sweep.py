@@ -227,13 +227,13 @@ def swept(names, world, case, change):
             (str(f.verdict), f.candidates) for f in loop.finding_objects if f.added
         )
         row["left"] = tuple(f.candidates for f in loop.unexplained)
-        row["told"] = told(loop)
+        row["told"] = findings_of(loop)
         row["error"] = float(loop.table["rmse_test"].iloc[-1])
         rows.append(row)
     return rows
 
 
-def told(loop):
+def findings_of(loop):
     """Other reported results: hints, withdrawn findings, corrections, the rest."""
     others = tuple(
         (f.verdict, f.candidates, str(f.place))

@@ -185,9 +185,9 @@ class Days:
 
     def errors(self, total: np.ndarray, first: int, last: int) -> float:
         """
-        Standard errors of its size, from what the same plane explains on other days.
+        Size in standard errors, from the size of the same plane on other days.
 
-        Those are taken week by week, with the memory from one to the next.
+        The errors are of weeks, with the correlation of successive ones.
         """
         length = min(last - first, WEEK)
         before = np.arange(first - length, -1, -length)[::-1]
@@ -291,7 +291,7 @@ def find_standstill(
     _, angle, tangent, first, last = best
     total = days.sums(tangent)
     errors = days.errors(total, first, last)
-    # the best of so many is so sure by chance
+    # largest of so many standard normal values by chance
     tried = len(days.dates) * len(lengths) * len(angles)
     if errors < np.sqrt(2.0 * np.log(tried)):
         return None

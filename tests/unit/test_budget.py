@@ -181,7 +181,7 @@ def red(seed, days, memory, heavy=0):
     return series.T.ravel()
 
 
-def told(values, chance=CHANCE):
+def stretches_of(values, chance=CHANCE):
     days = len(values) // 2
     dates = np.repeat(np.arange(days), 2)
     return episodes(values, dates, np.tile([True, False], days), chance)
@@ -190,13 +190,13 @@ def told(values, chance=CHANCE):
 @pytest.mark.parametrize("memory", [0.0, 0.5, 0.9])
 def test_noise_with_memory_has_no_episodes(memory):
     """Ten years in records of four months, at a chance of 1 in 100 each."""
-    assert sum(bool(told(red(seed, 120, memory))) for seed in range(30)) == 0
+    assert sum(bool(stretches_of(red(seed, 120, memory))) for seed in range(30)) == 0
 
 
 def test_seasons_drifts_and_steps_are_no_episodes():
     day = np.repeat(np.arange(730.0), 2)
     slow = 5.0 * np.sin(day / 58.0) + day / 100.0 + 8.0 * (day > 400)
-    assert told(red(1, 730, 0.5) + slow) == []
+    assert stretches_of(red(1, 730, 0.5) + slow) == []
 
 
 @given(
@@ -206,20 +206,24 @@ def test_a_planted_stretch_is_told_by_its_dates(first, length, sign):
     values = red(3, 200, 0.3)
     last = min(first + length, 200) - 1
     values[2 * first : 2 * last + 2 : 2] += sign * 15.0
-    assert told(values) == [(first, last)]
+    assert stretches_of(values) == [(first, last)]
 
 
 def test_one_day_without_light_inside_it_does_not_part_a_stretch():
     values = red(4, 200, 0.3)
     values[2 * 100 : 2 * 109 : 2] += 12.0
     values[2 * 104] -= 12.0
-    assert told(values) == [(100, 108)]
+    assert stretches_of(values) == [(100, 108)]
 
 
 def test_few_days_and_no_residual_tell_nothing():
     values = red(5, 25, 0.0)
     values[20] = 50.0
-    assert told(values) == [] and told(np.zeros(400)) == [] and told(values[:0]) == []
+    assert (
+        stretches_of(values) == []
+        and stretches_of(np.zeros(400)) == []
+        and stretches_of(values[:0]) == []
+    )
 
 
 def test_eight_measured_years_say_where_in_time_it_lives(bolzano):

@@ -405,7 +405,7 @@ def test_shade_is_found_in_its_window_and_on_its_side(switch, share, snowy):
     assert again.settings == effect.settings
 
 
-def told(loop):
+def contents_of(loop):
     """All that a loop says but the errors of the test weeks."""
     findings = plain(loop.finding_objects)
     return json.dumps([findings, loop.fit.coefficients, loop.fit.stderr, loop.base])
@@ -423,7 +423,7 @@ def test_no_decision_sees_the_test_weeks(step):
     spoilt = data.copy()
     spoilt.loc[test, "temp_module"] = noise
     other = fem.close_loop(spoilt, **PLACE)
-    assert told(loop) == told(other)
+    assert contents_of(loop) == contents_of(other)
     pd.testing.assert_frame_equal(loop.ranking, other.ranking)
     assert loop.untestable == other.untestable
     # of values that are not used all are counted, those of the test weeks, too

@@ -10,7 +10,7 @@ import pandas as pd
 import pvlib
 import pytest
 from pvlib.location import Location
-from study_measured import told
+from study_measured import summary_of
 
 import pvlib_fem as fem
 from pvlib_fem._findings import CheckOutcome, Verdict
@@ -67,7 +67,7 @@ def test_at_bolzano_power_speaks_for_the_irradiance_sensor(at_bolzano):
 
 
 def test_at_bolzano_other_weeks_say_the_same(at_bolzano):
-    nine = told("eurac_bolzano", 2)
+    nine = summary_of("eurac_bolzano", 2)
     assert nine.names == {
         (str(one.verdict), frozenset(one.candidates))
         for one in at_bolzano.finding_objects

@@ -14,15 +14,15 @@ from pvlib_fem._parallel import spread
 SCRIPT = """
 import sys
 sys.path.insert(0, {here!r})
-from test_parallel import told_and_slow
+from test_parallel import noted_and_slow
 from pvlib_fem._parallel import spread
 
 if __name__ == "__main__":
-    list(spread(told_and_slow, [({folder!r},), ({folder!r},)], 2))
+    list(spread(noted_and_slow, [({folder!r},), ({folder!r},)], 2))
 """
 
 
-def told_and_slow(folder):
+def noted_and_slow(folder):
     """Say which process this is, and work for long."""
     Path(folder, str(os.getpid())).touch()
     time.sleep(120.0)
