@@ -79,10 +79,10 @@ def conclusion(loop: "Loop", statements: list[Statement]) -> Iterator[str]:
     else:
         words = f"{before:.2f} → {after:.2f} K"
     if loop.patterns:
-        words += f" ({error.iloc[-1]:.2f} K with unexplained patterns)"
+        words += f" ({error.iloc[-1]:.2f} K with patterns)"
     if np.isfinite(energy[loop.last]):
         both = dict.fromkeys(f"{energy[n]:.2f}" for n in (loop.base, loop.last))
-        words += f"; absolute energy error: {' → '.join(both)} %"
+        words += f"; energy error: {' → '.join(both)} %"
     yield f"Error (RMSE) on {which}: {words}."
     yield counted(loop, statements)
     if loop.known_ceiling is not None:

@@ -132,10 +132,6 @@ class Axis:
         unknown = count if count < len(self.labels) else -1
         return np.where(np.isfinite(values), bins, unknown)
 
-    def on_rows(self, rows: Any) -> Any:
-        """The axis for some of the rows."""
-        return self if rows.all() else replace(self, bins=self.bins[rows])
-
     def strongest(self, squares: np.ndarray, share: float) -> np.ndarray:
         """Shortest run of adjacent bins that holds a share of the squares."""
         count, whole = len(squares), squares.sum()
