@@ -2,7 +2,10 @@
 
 import difflib
 from collections.abc import Iterable
-from typing import Self
+from dataclasses import fields, is_dataclass
+from typing import Any, Self
+
+import pandas as pd
 
 
 class ShellText(str):
@@ -93,3 +96,22 @@ def did_you_mean(words: str | Iterable[str], known: Iterable[object]) -> str:
         return f" (did you mean {near[words[0]]}?)"
     choices = ", and ".join(f"{names} for {word}" for word, names in near.items())
     return f" (did you mean {choices}?)"
+
+
+def written_argument(value: Any) -> str:
+    """An argument as it is written, nothing where it is the default."""
+    if value is None or value is True:
+        return ""
+    if isinstance(value, pd.Series):
+        return "...  # True in the rows of the second hash"
+    if is_dataclass(value) and not hasattr(value, "spec"):
+        usual = type(value)()
+        changed = [
+            f"{field.name}={getattr(value, field.name)!r}"
+            for field in fields(value)
+            if getattr(value, field.name) != getattr(usual, field.name)
+        ]
+        return f"{type(value).__name__}({', '.join(changed)})" if changed else ""
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(written_argument, value))}]"
+    return repr(getattr(value, "spec", value))

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pvlib_fem._converter import AnyFloat
-from pvlib_fem._report.ceiling_text import sentence
 
 
 @dataclass(frozen=True)
@@ -59,4 +58,6 @@ class Ceiling:
         return name if name and self.without[name] > self.trees else ""
 
     def __str__(self) -> str:
+        from pvlib_fem._report.ceiling_text import sentence
+
         return sentence(self)

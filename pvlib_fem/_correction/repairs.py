@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from pvlib_fem._report.document import with_error
+from pvlib_fem._report.formatting import with_error
 from pvlib_fem.effects._effect import Effect, Terms
 from pvlib_fem.effects._time_profiles import (
     dates_in_words,

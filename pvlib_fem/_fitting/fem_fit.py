@@ -10,7 +10,6 @@ import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
-from pvlib_fem import plotting
 from pvlib_fem._fitting.daily import DailySums, correlation
 from pvlib_fem._fitting.fit_files import fit_content, fit_parts
 from pvlib_fem._fitting.holdout import held_out
@@ -19,8 +18,6 @@ from pvlib_fem._modelchain import CELL, FIT, FITS, DynamicCellTemperature, fit_i
 from pvlib_fem._record.column_names import COLUMNS, printable, with_aliases
 from pvlib_fem._record.file_summary import Summary, summary_of
 from pvlib_fem._record.inputs import Record
-from pvlib_fem._report.fit_page import brief, fit_page
-from pvlib_fem._report.fit_text import lines
 from pvlib_fem._stored import Stored, opened, saved, written
 from pvlib_fem._thermal.model import ThermalModel, thermal_model
 from pvlib_fem._thermal_parameters.parameter_table import thermal_parameters
@@ -440,6 +437,8 @@ class FemFit:
             raise ValueError(
                 "a fit that was read from a file has no rows to plot; fit them again"
             )
+        from pvlib_fem import plotting
+
         return plotting.plot_fit(self, ax, when)
 
     def to_html(
@@ -461,9 +460,13 @@ class FemFit:
         -------
         str
         """
+        from pvlib_fem._report.fit_page import fit_page
+
         return saved(fit_page(self, title, gamma), path)
 
     def _repr_html_(self) -> str:
+        from pvlib_fem._report.fit_page import brief
+
         return brief(self)
 
     def to_json(self, path: FilePath | None = None, **cell: float) -> str:
@@ -532,6 +535,8 @@ class FemFit:
         return fit
 
     def __str__(self) -> str:
+        from pvlib_fem._report.fit_text import lines
+
         return printable("\n".join(lines(self)), "\n")
 
 

@@ -24,7 +24,6 @@ from pvlib_fem._fitting.streamed_lags import means_note
 from pvlib_fem._record.file_summary import Summary
 from pvlib_fem._record.filters import counted
 from pvlib_fem._record.parquet import ParquetRecord, as_source, write_parquet
-from pvlib_fem._report.fit_page import fit_page
 from pvlib_fem._statistics.leastsquares import Minimum
 from pvlib_fem._stored import saved
 from pvlib_fem._thermal.model import ThermalModel
@@ -107,6 +106,8 @@ class FileFit(FemFit):
         self, path: FilePath | None = None, title: str = "", gamma: float = GAMMA
     ) -> str:
         """HTML page with means over a minute or more, see :meth:`FemFit.to_html`."""
+        from pvlib_fem._report.fit_page import fit_page
+
         return saved(fit_page(self.on_means(), title, gamma), path)
 
 

@@ -39,7 +39,7 @@ from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._record.column_names import printable, with_aliases
 from pvlib_fem._record.parquet import ParquetRecord, as_source, is_data_set
 from pvlib_fem._renamed_effects import keys_in_new_names
-from pvlib_fem._report.loop_page import written_argument
+from pvlib_fem._spelling import written_argument
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import SteadyModel, steady_model
 from pvlib_fem.drivers import checked_place

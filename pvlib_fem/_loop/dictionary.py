@@ -69,7 +69,7 @@ class Candidate:
         return [column for column in self.columns if column not in given]
 
 
-def undated(design: "Design", prior: float) -> Iterator[Candidate]:
+def without_dates(design: "Design", prior: float) -> Iterator[Candidate]:
     """Candidates that have no date; ``prior`` are the odds of any one effect."""
     for name, columns in design.own.items():
         odds = np.log(prior * RARE.get(name, 1.0))

@@ -8,7 +8,6 @@ from typing import Any, Self, TypeVar
 import numpy as np
 import pandas as pd
 
-from pvlib_fem import plotting
 from pvlib_fem._ceiling.ceiling_result import Ceiling
 from pvlib_fem._ceiling.trees import ceiling_of, regressor
 from pvlib_fem._correction.correct_record import corrected_record
@@ -25,11 +24,6 @@ from pvlib_fem._loop.predicted_patterns import Pattern, behind_patterns, errors_
 from pvlib_fem._loop.threads import one_thread_of_trees
 from pvlib_fem._modelchain import LOOP, DynamicCellTemperature
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, printable, with_aliases
-from pvlib_fem._report.loop_page import brief, page
-from pvlib_fem._report.loop_text import lines, never
-from pvlib_fem._statements.findings_table import findings_table
-from pvlib_fem._statements.loop_summary import conclusion, summary
-from pvlib_fem._statements.make import statements_of
 from pvlib_fem._statements.statement import Statement, as_table
 from pvlib_fem._statements.worth import energies
 from pvlib_fem._stored import opened, saved, written
@@ -263,6 +257,8 @@ class Loop:
             where it has several: ``finding_objects`` have each. Of an unexplained
             pattern it is the mean residual there.
         """
+        from pvlib_fem._statements.findings_table import findings_table
+
         return findings_table(self)
 
     @property
@@ -607,6 +603,8 @@ class Loop:
             raise ValueError(
                 "a loop that was read from a file has no rows to plot; close it again"
             )
+        from pvlib_fem import plotting
+
         return plotting.plot_before_after(self, ax)
 
     def to_html(
@@ -631,6 +629,10 @@ class Loop:
         -------
         str
         """
+        from pvlib_fem._report.loop_page import page
+        from pvlib_fem._report.loop_text import never
+        from pvlib_fem._statements.make import statements_of
+
         statements = self.statement_objects
         if gamma != GAMMA:
             statements = statements_of(self, energies(self, gamma))
@@ -638,6 +640,8 @@ class Loop:
         return saved(page(self, table, never(self.fit), title, gamma), path)
 
     def _repr_html_(self) -> str:
+        from pvlib_fem._report.loop_page import brief
+
         return brief(self)
 
     def to_json(self, path: FilePath | None = None, **cell: float) -> str:
@@ -704,6 +708,8 @@ class Loop:
     @cached_property
     def statement_objects(self) -> list[Statement]:
         """The statements as objects, made once for page, file and print."""
+        from pvlib_fem._statements.make import statements_of
+
         return statements_of(self, self.yearly_energy)
 
     @property
@@ -730,6 +736,8 @@ class Loop:
     @property
     def conclusion(self) -> tuple[str, ...]:
         """The error before and after, and what was found, in sentences."""
+        from pvlib_fem._statements.loop_summary import conclusion
+
         return tuple(conclusion(self, self.statement_objects))
 
     def report(self) -> str:
@@ -740,9 +748,13 @@ class Loop:
         -------
         str
         """
+        from pvlib_fem._report.loop_text import lines
+
         return printable("\n".join(lines(self)), "\n")
 
     def __str__(self) -> str:
+        from pvlib_fem._statements.loop_summary import summary
+
         return printable("\n".join(summary(self)), "\n")
 
 

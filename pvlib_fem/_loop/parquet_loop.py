@@ -13,7 +13,7 @@ from pvlib_fem._fitting.parquet_fit import FileFit, fitted, given_days
 from pvlib_fem._fitting.parquet_rows import first_pass
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.divided_record import STEP_PRESENT, Case
-from pvlib_fem._loop.refit_checks import bounds, sureness
+from pvlib_fem._loop.refit_checks import bounds, certainty
 from pvlib_fem._loop.weeks import Part
 from pvlib_fem._record.checks import dates_of
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, ROTATION
@@ -231,7 +231,7 @@ def own_checks(
     Check, Because
     """
     yield bounds(finding.coefficients, fit)
-    yield sureness(finding, fit.coefficients, fit.stderr)
+    yield certainty(finding, fit.coefficients, fit.stderr)
     stages = list(fit.scores.index)
     at = stages.index(f"+ {finding.effect}")
     before, after = stages[at - 1], stages[at]

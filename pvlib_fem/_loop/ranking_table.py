@@ -8,7 +8,7 @@ import pandas as pd
 
 from pvlib_fem._converter import AnyFloat
 from pvlib_fem._record.column_names import printable
-from pvlib_fem._report.document import fragment, number, table, with_error
+from pvlib_fem._report.formatting import number, with_error
 
 
 class RankingRow(TypedDict, total=False):
@@ -71,6 +71,8 @@ class Ranking(pd.DataFrame):
     def _repr_html_(self) -> str:
         if list(self.columns) != COLUMNS:
             return pd.DataFrame._repr_html_(self)  # type: ignore[attr-defined]
+        from pvlib_fem._report.document import fragment, table
+
         return fragment([table(HEAD, self.lines())])
 
 

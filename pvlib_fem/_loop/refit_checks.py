@@ -36,7 +36,7 @@ def bounds(names: Iterable[str], step: "Step | FemFit") -> tuple[Check, Because]
     )
 
 
-def sureness(
+def certainty(
     finding: Finding, values: Mapping[str, float], stderr: Mapping[str, float]
 ) -> tuple[Check, Because]:
     """

@@ -15,7 +15,7 @@ from pvlib_fem._loop.dictionary import (
     dated,
     first_days,
     place_of,
-    undated,
+    without_dates,
 )
 from pvlib_fem._loop.noise import random_effects
 from pvlib_fem._statistics.tables import Table
@@ -205,7 +205,7 @@ class Selection:
         if key not in self.known:
             limits = self.criteria
             every = [
-                *undated(self.design, limits.prior),
+                *without_dates(self.design, limits.prior),
                 *dated(self.design, given, limits.change_side, limits.prior),
             ]
             self.known[key] = [one for one in every if one.name not in self.closed]

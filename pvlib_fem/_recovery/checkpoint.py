@@ -10,7 +10,7 @@ import pandas as pd
 from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._recovery.judge import Outcome
 from pvlib_fem._recovery.recovery_result import Recovery
-from pvlib_fem._report.loop_page import written_argument
+from pvlib_fem._spelling import written_argument
 
 
 def resumed(new: Recovery, path: Any) -> Recovery:

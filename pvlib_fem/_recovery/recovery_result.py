@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 from scipy.special import expit
 
-from pvlib_fem import plotting
 from pvlib_fem._findings import Finding
 from pvlib_fem._record.column_names import printable
 from pvlib_fem._recovery.judge import Outcome
@@ -170,6 +169,8 @@ class Recovery:
         -------
         matplotlib Axes
         """
+        from pvlib_fem import plotting
+
         return plotting.plot_recovery(self, ax)
 
     def to_json(self, path: FilePath | None = None) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._budget.unusual_days import FEWEST
-from pvlib_fem._report.document import number
+from pvlib_fem._report.formatting import number
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.loop_result import Loop

@@ -5,14 +5,13 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from pvlib_fem._record.column_names import printable
 
 if TYPE_CHECKING:
-    from pvlib_fem._fitting.fem_fit import FemFit
+    pass
 
 #: kinds of columns by the first sign of their head: of numbers, of dates
 KINDS = {"#": "n", "@": "date"}
@@ -205,43 +204,3 @@ def table(
 def figures(pictures: Iterable[tuple[str, ...]]) -> Figures:
     """A grid of ``svg`` elements, each with what it shows and perhaps a title."""
     return Figures([Figure(Markup(svg), *words) for svg, *words in pictures])
-
-
-def number(value: float) -> str:
-    """Two decimals, without a negative zero; a dash where there is none."""
-    return f"{value:z.2f}" if np.isfinite(value) else "–"
-
-
-def rounded(error: float) -> str:
-    """Two digits, and never 2e+03; a dash where there is none."""
-    return f"{float(f'{error:.2g}'):g}" if np.isfinite(error) else "–"
-
-
-def spanned(low: float, high: float) -> str:
-    """From and to, to two digits of half of what is between them."""
-    half = (high - low) / 2.0
-    if not half > 0:
-        return f"{low:.4g}"
-    digits = max(0, 1 - int(np.floor(np.log10(float(f"{half:.1e}")))))
-    return f"{low:z.{digits}f} … {high:z.{digits}f}"
-
-
-def value_and_error(fit: "FemFit", name: str) -> tuple[str, str]:
-    """Cells of a table: a coefficient and its error."""
-    value, error = fit.coefficients[name], fit.stderr[name]
-    if name in fit.fixed:
-        return f"{value:.5g}", "held"
-    if not error > 0:
-        return f"{value:.5g}", "–"
-    size, _, margin = with_error(value, error).partition(" ± ")
-    return size, margin
-
-
-def with_error(value: float, error: float) -> str:
-    """A value to the two digits of its error, and that; alone without one."""
-    if not (np.isfinite(error) and error > 0):
-        return f"{value:.4g}"
-    last = int(np.floor(np.log10(float(f"{error:.1e}")))) - 1  # place of both
-    digits = max(0, -last)
-    value, error = round(value, -last), round(error, -last)
-    return f"{value:z.{digits}f} ± {error:.{digits}f}"

@@ -8,11 +8,11 @@ from pvlib_fem._report.document import (
     document,
     figures,
     fragment,
-    number,
     paragraph,
     section,
     table,
 )
+from pvlib_fem._report.formatting import number
 from pvlib_fem._report.page_parts import (
     DONE,
     NO_ROWS,

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pvlib_fem._report.document import number, value_and_error
+from pvlib_fem._report.formatting import number, value_and_error
 
 if TYPE_CHECKING:
     from pvlib_fem._fitting.fem_fit import FemFit

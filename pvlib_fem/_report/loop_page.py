@@ -1,9 +1,8 @@
 """A closed loop as one page that opens anywhere: a mail, a phone, in the dark."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields, is_dataclass
 from numbers import Real
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -27,12 +26,11 @@ from pvlib_fem._report.document import (
     figures,
     fragment,
     listed,
-    number,
     paragraph,
     section,
     table,
-    with_error,
 )
+from pvlib_fem._report.formatting import number, with_error
 from pvlib_fem._report.page_parts import (
     DONE,
     NO_ROWS,
@@ -564,22 +562,3 @@ def call(loop: "Loop") -> str:
     arguments += [f"{name}={words}" for name, words in loop.given.items() if words]
     inside = "".join(f"    {argument},\n" for argument in ["data", *arguments])
     return f"loop = pvlib_fem.close_loop(\n{inside})"
-
-
-def written_argument(value: Any) -> str:
-    """An argument as it is written, nothing where it is the default."""
-    if value is None or value is True:
-        return ""
-    if isinstance(value, pd.Series):
-        return "...  # True in the rows of the second hash"
-    if is_dataclass(value) and not hasattr(value, "spec"):
-        usual = type(value)()
-        changed = [
-            f"{field.name}={getattr(value, field.name)!r}"
-            for field in fields(value)
-            if getattr(value, field.name) != getattr(usual, field.name)
-        ]
-        return f"{type(value).__name__}({', '.join(changed)})" if changed else ""
-    if isinstance(value, (list, tuple)):
-        return f"[{', '.join(map(written_argument, value))}]"
-    return repr(getattr(value, "spec", value))

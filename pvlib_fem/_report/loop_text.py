@@ -10,7 +10,7 @@ from pvlib_fem._findings import CORRECTED, Correction, Finding, Verdict
 from pvlib_fem._record.file_summary import Summary
 from pvlib_fem._report import budget_text as budget, event_text as events
 from pvlib_fem._report.ceiling_text import sentence
-from pvlib_fem._report.document import rounded, spanned, with_error
+from pvlib_fem._report.formatting import rounded, spanned, with_error
 from pvlib_fem._report.loop_page import by_reason
 from pvlib_fem.plotting._step_plots import step_name
 

@@ -16,13 +16,10 @@ from pvlib_fem._report.document import (
     Paragraph,
     Table,
     Verbatim,
-    number,
     paragraph,
-    rounded,
-    spanned,
     table,
-    value_and_error,
 )
+from pvlib_fem._report.formatting import number, rounded, spanned, value_and_error
 from pvlib_fem._report.treatment import Treatment
 from pvlib_fem.scores import energy_error
 

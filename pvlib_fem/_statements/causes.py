@@ -19,7 +19,7 @@ from pvlib_fem._correction.repairs import (
     unit_of,
 )
 from pvlib_fem._findings import Finding, Member
-from pvlib_fem._report.document import with_error
+from pvlib_fem._report.formatting import with_error
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._standstill import in_words
 from pvlib_fem.effects._time_profiles import YEAR, is_dated, number, time_profile_of

@@ -11,13 +11,11 @@ from pvlib_fem._report.document import (
     Heading,
     document,
     listed,
-    number,
     paragraph,
     section,
-    spanned,
     table as markup,
-    with_error,
 )
+from pvlib_fem._report.formatting import number, spanned, with_error
 
 #: parts of the page: beginnings of the names of their conventions, and their use
 PARTS = {

@@ -130,7 +130,7 @@ class DatedChange:
         if not self.time_profile.missing(dates):
             self.time_profile.weight(**dates)  # refuses invalid dates
         return replace(
-            self.undated(),
+            self.without_dates(),
             terms=ScaledTerms(self.sensor_fault, self.time_profile, dates),
             settings=dates,
             source=dates_in_words(dates),
@@ -138,7 +138,7 @@ class DatedChange:
             scanned_from=None,
         )
 
-    def undated(self) -> Effect:
+    def without_dates(self) -> Effect:
         """The effect without dates, as in the registry; a search finds the dates."""
         sensor_fault, time_profile = self.sensor_fault, self.time_profile
         (row,), name = (
@@ -213,6 +213,6 @@ def interval(effect: Effect) -> tuple[float, ...] | None:
 def along_all(sensor_fault: Effect) -> tuple[Effect, ...]:
     """The effects of a sensor fault with every time profile."""
     return tuple(
-        DatedChange(sensor_fault, time_profile).undated()
+        DatedChange(sensor_fault, time_profile).without_dates()
         for time_profile in TIME_PROFILES
     )

@@ -16,12 +16,11 @@ from pvlib_fem._report.document import (
     document,
     link,
     listed,
-    number,
     paragraph,
-    rounded,
     section,
     table,
 )
+from pvlib_fem._report.formatting import number, rounded
 from pvlib_fem._report.page_parts import heading
 from pvlib_fem._stored import saved
 from pvlib_fem.fleet._results import Results

@@ -13,7 +13,7 @@ import pandas as pd
 from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._record.layout import Layout
 from pvlib_fem._record.logger_files import frame
-from pvlib_fem._report.loop_page import written_argument
+from pvlib_fem._spelling import written_argument
 from pvlib_fem._stored import plain, stamped
 from pvlib_fem.drivers._record_site import in_local_days, site_of
 from pvlib_fem.fleet._store import keep, kept, page_path, put_page

@@ -20,7 +20,7 @@ from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.file_summary import present
 from pvlib_fem._recovery.recover import recover_effects
 from pvlib_fem._recovery.recovery_result import FORMAT, Recovery
-from pvlib_fem._report.document import with_error
+from pvlib_fem._report.formatting import with_error
 from pvlib_fem._report.loop_page import numbers
 from pvlib_fem._spelling import did_you_mean
 from pvlib_fem._stored import plain

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from pvlib_fem import plotting
 from pvlib_fem._stored import saved
 from pvlib_fem.types import FilePath
 
@@ -123,6 +122,8 @@ class Comparison:
         -------
         matplotlib Axes
         """
+        from pvlib_fem import plotting
+
         if len(self.resolutions) > 1:
             return plotting.plot_resolutions(self, ax, score)
         return plotting.plot_comparison(self, ax, score)

@@ -2,6 +2,8 @@
 
 import ast
 import re
+import subprocess
+import sys
 from functools import cache
 from pathlib import Path
 
@@ -52,7 +54,7 @@ ORDER = (
     "_cli",
     "__main__",
 )
-FLOORS = 5  # inside a package
+MOST = 5  # imports of each other, one under the other, inside a package
 FILES = {
     ".".join(
         part
@@ -97,33 +99,35 @@ def own_imports(name):
             yield inner if inner in FILES else source.removeprefix("pvlib_fem.")
 
 
-def room(name):
+def package_of(name):
     """The package, or the module at the top, that a module is in."""
     return name.split(".")[0]
 
 
 @cache
-def floor(name):
+def depth(name):
     """Longest way down from a module inside its own package."""
-    below = [n for n in own_imports(name) if room(n) == room(name) and n != name]
-    return 1 + max(map(floor, below), default=0)
+    below = [
+        n for n in own_imports(name) if package_of(n) == package_of(name) and n != name
+    ]
+    return 1 + max(map(depth, below), default=0)
 
 
 def test_the_order_is_of_all_that_there_is():
-    assert sorted(ORDER) == sorted({room(name) for name in FILES})
+    assert sorted(ORDER) == sorted({package_of(name) for name in FILES})
 
 
 @pytest.mark.parametrize("name", FILES)
 def test_imports_go_down_only(name):
     for other in own_imports(name):
-        if room(other) != room(name):
-            assert ORDER.index(room(other)) < ORDER.index(room(name)), other
+        if package_of(other) != package_of(name):
+            assert ORDER.index(package_of(other)) < ORDER.index(package_of(name)), other
 
 
 @pytest.mark.parametrize("name", ORDER)
-def test_a_package_has_few_floors(name):
+def test_imports_inside_a_package_are_not_deep(name):
     # a circle of imports would end in a RecursionError
-    assert max(floor(n) for n in FILES if room(n) == name) <= FLOORS
+    assert max(depth(n) for n in FILES if package_of(n) == name) <= MOST
 
 
 def test_effects_do_not_stand_on_each_other():
@@ -135,7 +139,7 @@ def test_effects_do_not_stand_on_each_other():
 
 def test_the_simulator_and_the_models_share_nothing():
     assert all(
-        room(other) != "simulator" or room(name) in ("simulator", "_cli")
+        package_of(other) != "simulator" or package_of(name) in ("simulator", "_cli")
         for name in FILES
         for other in own_imports(name)
     )
@@ -146,7 +150,7 @@ def test_the_paper_is_asked_by_the_choice_of_a_method_alone():
         name
         for name in FILES
         for other in own_imports(name)
-        if room(other) == "paper" != room(name)
+        if package_of(other) == "paper" != package_of(name)
     }
     assert asks == {"_fit"}
 
@@ -169,7 +173,9 @@ def test_outside_libraries_have_one_place_each():
     }
     for name in FILES:
         for outside, _ in imports(name):
-            assert places.get(outside.split(".")[0], room(name)) == room(name)
+            assert places.get(outside.split(".")[0], package_of(name)) == package_of(
+                name
+            )
 
 
 DESIGN = Path(__file__).parents[2] / "docs" / "design.md"
@@ -192,3 +198,17 @@ def test_packages_stand_in_the_order_of_their_imports():
 def test_files_of_the_loop_are_those_that_there_are():
     there = {path.name for path in (PACKAGE / "_loop").glob("*.py")}
     assert {*first_cells("file")} == there - {"__init__.py"}
+
+
+def test_results_load_pages_and_pictures_when_they_are_asked_for():
+    names = ["_fitting.fem_fit", "_loop.close", "_loop.loop_result"]
+    names += ["_ceiling.ceiling_result", "_recovery.recovery_result"]
+    words = "; ".join(f"import pvlib_fem.{name}" for name in names)
+    words += "; import sys; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    loaded = done.stdout.split()
+    assert "pvlib_fem._loop.loop_result" in loaded
+    pages = ("pvlib_fem.plotting", "pvlib_fem._report.document", "jinja2", "matplotlib")
+    assert not [name for name in loaded if name.startswith(pages)]
+    assert not [name for name in loaded if name.endswith("_page")]

@@ -10,7 +10,7 @@ import pvlib_fem as fem
 from pvlib_fem import datasets
 from pvlib_fem._findings import Finding, Verdict
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._report.document import spanned
+from pvlib_fem._report.formatting import spanned
 from pvlib_fem._stored import Stored, plain
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import STEADY_MODELS

@@ -21,7 +21,7 @@ from pvlib_fem._loop.ranking_table import Ranking
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.file_summary import digest
 from pvlib_fem._report import next_measurement as advice
-from pvlib_fem._report.document import with_error
+from pvlib_fem._report.formatting import with_error
 from pvlib_fem.reasons import Reason
 
 VOID = {"meta", "br"}

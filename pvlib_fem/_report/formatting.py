@@ -1,0 +1,48 @@
+"""Numbers and their errors as a reader needs them."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from pvlib_fem._fitting.fem_fit import FemFit
+
+
+def number(value: float) -> str:
+    """Two decimals, without a negative zero; a dash where there is none."""
+    return f"{value:z.2f}" if np.isfinite(value) else "–"
+
+
+def rounded(error: float) -> str:
+    """Two digits, and never 2e+03; a dash where there is none."""
+    return f"{float(f'{error:.2g}'):g}" if np.isfinite(error) else "–"
+
+
+def spanned(low: float, high: float) -> str:
+    """From and to, to two digits of half of what is between them."""
+    half = (high - low) / 2.0
+    if not half > 0:
+        return f"{low:.4g}"
+    digits = max(0, 1 - int(np.floor(np.log10(float(f"{half:.1e}")))))
+    return f"{low:z.{digits}f} … {high:z.{digits}f}"
+
+
+def value_and_error(fit: "FemFit", name: str) -> tuple[str, str]:
+    """Cells of a table: a coefficient and its error."""
+    value, error = fit.coefficients[name], fit.stderr[name]
+    if name in fit.fixed:
+        return f"{value:.5g}", "held"
+    if not error > 0:
+        return f"{value:.5g}", "–"
+    size, _, margin = with_error(value, error).partition(" ± ")
+    return size, margin
+
+
+def with_error(value: float, error: float) -> str:
+    """A value to the two digits of its error, and that; alone without one."""
+    if not (np.isfinite(error) and error > 0):
+        return f"{value:.4g}"
+    last = int(np.floor(np.log10(float(f"{error:.1e}")))) - 1  # place of both
+    digits = max(0, -last)
+    value, error = round(value, -last), round(error, -last)
+    return f"{value:z.{digits}f} ± {error:.{digits}f}"
