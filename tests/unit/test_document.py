@@ -57,7 +57,7 @@ def test_an_svg_stands_as_it_is_and_a_number_as_it_is_printed():
     assert SVG in page_of("x")
     table = made.table(("a", "#b"), [("one", 2)])
     assert '<td>one</td><td class="n">2</td>' in made.fragment([table])
-    assert number(-0.001) == "0.00" and made.number(np.nan) == "–"
+    assert number(-0.001) == "0.00" and number(np.nan) == "–"
 
 
 def test_a_value_that_a_template_does_not_know_is_an_error():
