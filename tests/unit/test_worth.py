@@ -16,6 +16,7 @@ from test_corrected import (  # noqa: F401 (fixtures)
 
 import pvlib_fem as fem
 from pvlib_fem import simulator
+from pvlib_fem._statements import make
 from pvlib_fem._statements.worth import energies
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
@@ -110,10 +111,8 @@ def test_statements_are_made_once(true, sound, monkeypatch):  # noqa: F811
     effect = effect_of("module_sensor_contact_step")
     loop = found(sound, faulty(true, effect, 0.2), effect)
     made = []
-    real = fem._loop.loop_result.statements_of
-    monkeypatch.setattr(
-        fem._loop.loop_result, "statements_of", lambda *a: made.append(1) or real(*a)
-    )
+    real = make.statements_of
+    monkeypatch.setattr(make, "statements_of", lambda *a: made.append(1) or real(*a))
     print(loop, loop.to_html()[:1], loop.to_json()[:1], len(loop.statements))
     assert made == [1] and loop.conclusion
 
