@@ -26,6 +26,7 @@ OUTSIDE = "outside"  # among probabilities: none of the catalogue
 OUTSIDE_WORDS = "a cause outside the catalogue"
 LEAST = 0.01  # probability that is reported
 CORRECTED = "clock corrected"  # row of a table of errors
+PREDICTED = "+patterns"  # row of a table of errors, with the unexplained patterns
 ADDED = (Verdict.IDENTIFIED, Verdict.AMBIGUOUS)  # what enters the model
 
 

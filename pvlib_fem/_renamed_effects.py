@@ -36,12 +36,7 @@ def in_new_names(text: str) -> str:
     """
     found = {old[0]: f"{RENAMED[old[1]]}_{old[2]}" for old in OLD.finditer(text)}
     for old, new in found.items():
-        warnings.warn(
-            f"the effect {old} is called {new} now, and 0.2 will not know the old "
-            f"name: write {new}",
-            FutureWarning,
-            stacklevel=of_the_caller(),
-        )
+        warn_of_new_name(f"the effect {old}", new)
     return OLD.sub(lambda old: found[old[0]], text)
 
 
@@ -58,7 +53,7 @@ def keys_in_new_names(named: Mapping[str, Any]) -> dict[str, Any]:
 
 def warn_of_new_name(old: str, new: str) -> None:
     """
-    Warn that an attribute of a result, or its key in a file, has a new name.
+    Warn that an effect, or an attribute of a result or its key in a file, is renamed.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ import pandas as pd
 
 from pvlib_fem import scores
 from pvlib_fem._budget.error_budget import budget_of, episodes_of
-from pvlib_fem._findings import Finding
+from pvlib_fem._findings import PREDICTED, Finding
 from pvlib_fem._fitting.daily import errors
 from pvlib_fem._fitting.least_squares_fit import finished
 from pvlib_fem._loop.conclude import hints, in_the_model, not_seen
@@ -20,7 +20,6 @@ from pvlib_fem._loop.ranking import ranked
 from pvlib_fem._loop.ranking_table import Ranking, table_of
 from pvlib_fem._loop.refits import Step
 from pvlib_fem._loop.repeated_patterns import (
-    STEP,
     pattern_findings,
     repeated,
     with_patterns,
@@ -58,14 +57,14 @@ def outcome(search: "Search", last: Step, base: str) -> Loop:
     """
     case = search.case
     notes: list[str] = []
-    record = case.placed_for(case.whole, last.model)
+    record = case.placed_for(case.whole, last.model.drivers)
     at_bound, daily = last.at_bound, search.fits.daily(last)
     stderr = errors(last.model, daily, at_bound, notes)
     tables = repeatable(search, last)
     patterns = tuple(Pattern.of(table, record.index) for table in tables)
     steps = dict(search.steps)
     if patterns and case.enough:
-        steps[STEP] = with_patterns(case, last, patterns)
+        steps[PREDICTED] = with_patterns(case, last, patterns)
     table = error_table(case, steps)
     fit = finished(
         last.model,
@@ -113,7 +112,7 @@ def outcome(search: "Search", last: Step, base: str) -> Loop:
         budget=budget,
         episodes=stretches,
         events=shown,
-        patterns=patterns if STEP in steps else (),
+        patterns=patterns if PREDICTED in steps else (),
     )
 
 

@@ -1,5 +1,6 @@
 """A checked record, divided into rows by what each is for."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -14,7 +15,6 @@ from pvlib_fem._record.column_names import GEOMETRY
 from pvlib_fem._record.filters import counted
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._record.resampling import coarse, covered
-from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers import geometry
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.quality._lag import by_module_logger
@@ -112,9 +112,9 @@ class Case:
         places = geometry(record.index, **self.site)
         return record.having({name: c.to_numpy() for name, c in places.items()})
 
-    def placed_for(self, record: Record, model: ThermalModel) -> Record:
-        """The record with the geometry, if a model needs it and it is not there."""
-        missing = {*model.drivers} & {*GEOMETRY} - {*record.inputs.columns}
+    def placed_for(self, record: Record, names: Iterable[str]) -> Record:
+        """The record with the geometry, if columns need it and it is not there."""
+        missing = {*names} & {*GEOMETRY} - {*record.inputs.columns}
         return self.placed(record) if missing else record
 
     def without(self, effect: Effect) -> "Case":

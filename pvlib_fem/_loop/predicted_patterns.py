@@ -80,9 +80,14 @@ class Pattern:
         return index
 
 
+def drivers_of(patterns: tuple[Pattern, ...]) -> list[str]:
+    """Drivers that some patterns need, each once."""
+    return list(dict.fromkeys(name for one in patterns for name in one.drivers))
+
+
 def behind_patterns(patterns: tuple[Pattern, ...]) -> list[str]:
     """Measured columns and angles that some patterns need."""
-    return behind(list(dict.fromkeys(n for one in patterns for n in one.drivers)))
+    return behind(drivers_of(patterns))
 
 
 def errors_by(
@@ -125,5 +130,5 @@ def errors_by(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the model has warned of impossible values
         inputs = as_in_a_fit(read({COLUMNS[2]: 0.0, **there}, purpose="a pattern"))
-    inputs = completed(inputs, [name for one in patterns for name in one.drivers])
+    inputs = completed(inputs, drivers_of(patterns))
     return pd.DataFrame({one.name: one.at(inputs) for one in patterns}, inputs.index)

@@ -217,7 +217,7 @@ class Fits:
             tabled = {
                 n: one for n, one in tabled.items() if not is_modelled(one[0].drivers)
             }
-        larger = case.placed_for(larger, model)
+        larger = case.placed_for(larger, model.drivers)
         for effect in model.effects:
             if effect.name in tabled and tabled[effect.name][0] is effect:
                 continue

@@ -7,7 +7,7 @@ import numpy as np
 
 from pvlib_fem._findings import Check, Finding, Kind, Verdict
 from pvlib_fem._loop.design import FEWEST_WEEKS, Hours
-from pvlib_fem._loop.predicted_patterns import Pattern
+from pvlib_fem._loop.predicted_patterns import Pattern, drivers_of
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, is_power
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.axes import PAST, axes, calendar_of
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from pvlib_fem._loop.divided_record import Case
     from pvlib_fem._loop.refits import Fits, Step
 
-STEP = "+patterns"  # row of the loop's table
 SUN = GEOMETRY[:2]
 CYCLES = 2  # times that each table is estimated again, given all others
 
@@ -103,10 +102,8 @@ def numbered_weeks(dates: np.ndarray) -> np.ndarray:
 
 def with_patterns(case: "Case", step: "Step", patterns: tuple[Pattern, ...]) -> "Step":
     """The step with the errors by some patterns in its temperature."""
-    drivers = [name for one in patterns for name in one.drivers]
-    record = case.whole
-    if {*behind(drivers)} & {*GEOMETRY} - {*record.inputs.columns}:
-        record = case.placed(record)
+    drivers = drivers_of(patterns)
+    record = case.placed_for(case.whole, behind(drivers))
     inputs = completed(record.inputs, drivers)
     added = np.sum([one.at(inputs) for one in patterns], axis=0)
     return replace(step, temperature=step.temperature + added)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._findings import CORRECTED, Finding, Verdict
+from pvlib_fem._findings import CORRECTED, PREDICTED, Finding, Verdict
 from pvlib_fem._record.column_names import GEOMETRY
 from pvlib_fem._report import (
     budget_text as budget,
@@ -93,7 +93,7 @@ STEPS = {
     "fem": "the paper's form",
     "balance": "heat balance",
     "+radiative_loss": "longwave exchange of every module",
-    "+patterns": "unexplained patterns, without a known cause",
+    PREDICTED: "unexplained patterns, without a known cause",
 }
 VERDICTS = {
     "identified": "no other tested cause explains it",

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pvlib_fem._findings import CORRECTED, Correction, Finding, Verdict
+from pvlib_fem._findings import CORRECTED, PREDICTED, Correction, Finding, Verdict
 from pvlib_fem._record.file_summary import Summary
 from pvlib_fem._report import budget_text as budget, event_text as events
 from pvlib_fem._report.ceiling_text import sentence
@@ -42,7 +42,7 @@ LATE = {
 #: what is in the base model, and no finding
 STEPS = {
     "+radiative_loss": "longwave exchange, which every module has",
-    "+patterns": "unexplained patterns, which repeat without a known cause",
+    PREDICTED: "unexplained patterns, which repeat without a known cause",
 }
 OPEN = (Verdict.AMBIGUOUS, Verdict.HINT)
 

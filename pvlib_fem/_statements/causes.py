@@ -157,14 +157,11 @@ def dated(clause: Clause, effect: Effect, first: str, last: str) -> Clause:
     if not is_dated(effect):
         return clause
     since, until = dates_of(effect, first, last)
-    if (
-        time_profile_of(effect) != "drift" and not effect.settings
-    ):  # a hint has no dates
+    profile = time_profile_of(effect)
+    if profile != "drift" and not effect.settings:  # a hint has no dates
         since, until = "", last
     until = "" if until == last else until
-    return replace(
-        clause, since=since, until=until, time_profile=time_profile_of(effect)
-    )
+    return replace(clause, since=since, until=until, time_profile=profile)
 
 
 def of_instrument(

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pvlib_fem._findings import PREDICTED
 from pvlib_fem._report.ceiling_text import sentence
 from pvlib_fem._report.loop_text import cell, length
 from pvlib_fem._statements.make import PATTERN, STUCK
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 
 LINES, WIDTH = 25, 100
 MOST_EFFECTS = 3
-PREDICTED = "+patterns"  # row of errors with the unexplained patterns
 MORE = "loop.report() (--details) has every check, hint and note."
 
 
