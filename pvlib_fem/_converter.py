@@ -75,6 +75,11 @@ def converter() -> Any:
     written and not read. ``renamed_in_file`` has former names of fields, which are read
     with a warning. A class with methods ``content`` and ``stored`` is converted by
     these.
+
+    Returns
+    -------
+    cattrs.Converter
+        One for the process. ``structure`` raises what :func:`error_in_words` reads.
     """
     from cattrs import Converter, IterableValidationError, IterableValidationNote
     from cattrs.gen import make_dict_structure_fn, override
@@ -171,7 +176,21 @@ def by_hand(kind: Any) -> bool:
 
 
 def error_in_words(error: Any, file: str, place: str) -> str:
-    """The first error of the converter, with its place in the file."""
+    """
+    The first error of the converter, with its place in the file.
+
+    Parameters
+    ----------
+    error : Exception
+        Raised by ``converter().structure``; of a group, the first error is taken.
+    file : str
+    place : str
+        Keys above the value that was read, each with a point behind it; "" at the top.
+
+    Returns
+    -------
+    str
+    """
     while isinstance(error, ExceptionGroup):
         error = error.exceptions[0]
         note = error.__notes__[-1]  # of cattrs: a field, or a key

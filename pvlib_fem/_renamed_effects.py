@@ -29,10 +29,19 @@ def in_new_names(text: str) -> str:
     """
     A text with the present names of sensor faults.
 
+    Parameters
+    ----------
+    text : str
+        A name of an effect or coefficient, or a text with such names.
+
+    Returns
+    -------
+    str
+
     Warns
     -----
     FutureWarning
-        If it has an old name.
+        If it has an old name, one for each.
     """
     found = {old[0]: f"{RENAMED[old[1]]}_{old[2]}" for old in OLD.finditer(text)}
     for old, new in found.items():
@@ -41,13 +50,45 @@ def in_new_names(text: str) -> str:
 
 
 def file_in_new_names(text: str) -> str:
-    """The text of a result's file with the present names and verdicts."""
+    """
+    The text of a result's file with the present names and verdicts.
+
+    Parameters
+    ----------
+    text : str
+        JSON.
+
+    Returns
+    -------
+    str
+
+    Warns
+    -----
+    FutureWarning
+        If it has an old name of a sensor fault; an old verdict is replaced without.
+    """
     text = OLD_VERDICT.sub(lambda old: f'{old[1]}{VERDICTS[old[2]]}"', text)
     return in_new_names(text)
 
 
 def keys_in_new_names(named: Mapping[str, Any]) -> dict[str, Any]:
-    """A dict by effect or coefficient, with the present names."""
+    """
+    A dict by effect or coefficient, with the present names.
+
+    Parameters
+    ----------
+    named : mapping of str
+        Keys such as ``"irradiance_sensor_step"`` or ``"sensitivity_step.change"``.
+
+    Returns
+    -------
+    dict
+
+    Warns
+    -----
+    FutureWarning
+        If it has an old name.
+    """
     return {in_new_names(name): value for name, value in named.items()}
 
 

@@ -21,23 +21,68 @@ class ShellText(str):
 
 
 def spelled(*parts: str) -> ShellText:
-    """A text of parts, of which some are spelled differently."""
+    """
+    Join parts of a text, of which some are spelled differently in a shell.
+
+    Parameters
+    ----------
+    *parts : str or ShellText
+
+    Returns
+    -------
+    ShellText
+    """
     return ShellText("".join(parts), "".join(map(in_shell, parts)))
 
 
 def refusal(*parts: str) -> ValueError:
-    """The error of a text of parts."""
+    """
+    Make the error of bad input from parts of a text.
+
+    Parameters
+    ----------
+    *parts : str or ShellText
+
+    Returns
+    -------
+    ValueError
+        Not raised; its argument is a :class:`ShellText`.
+    """
     return ValueError(spelled(*parts))
 
 
 def in_shell(text: object) -> str:
-    """A text, or what an error says, as a person at a shell needs it."""
+    """
+    A text, or the message of an error, as the command line spells it.
+
+    Parameters
+    ----------
+    text : str, Exception or object
+        Without a spelling for the shell it is its ``str``.
+
+    Returns
+    -------
+    str
+    """
     said = text.args[0] if isinstance(text, Exception) and text.args else text
     return said.shell if isinstance(said, ShellText) else str(text)
 
 
 def argument(name: str, value: object) -> ShellText:
-    """An argument with its value, which is an option of the command, too."""
+    """
+    An argument with its value, which is also an option of the command.
+
+    Parameters
+    ----------
+    name : str
+        Name in Python, ``"module_area"`` for ``--module-area``.
+    value : object
+
+    Returns
+    -------
+    ShellText
+        Such as ``module_area=120``, in a shell ``--module-area 120``.
+    """
     return ShellText(f"{name}={value!r}", f"--{name.replace('_', '-')} {value}")
 
 
@@ -99,7 +144,20 @@ def did_you_mean(words: str | Iterable[str], known: Iterable[object]) -> str:
 
 
 def written_argument(value: Any) -> str:
-    """An argument as it is written, nothing where it is the default."""
+    """
+    An argument as Python code, empty for a default.
+
+    Parameters
+    ----------
+    value : object
+        None, True and a dataclass with no changed field are defaults. An object with a
+        ``spec``, such as an effect, is written by it.
+
+    Returns
+    -------
+    str
+        Such as ``"Limits(far=8.0)"``; a Series is not written out.
+    """
     if value is None or value is True:
         return ""
     if isinstance(value, pd.Series):

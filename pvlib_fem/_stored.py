@@ -50,7 +50,20 @@ def replacing(path: Any) -> Iterator:
 
 
 def saved(text: str, path: Any) -> str:
-    """Return the text, and write it to a path if given, equal on every system."""
+    """
+    Return the text, and write it to a path if given, equal on every system.
+
+    Parameters
+    ----------
+    text : str
+    path : str, path-like or None
+        Replaced as a whole, in UTF-8 and with line feeds; None writes nothing.
+
+    Returns
+    -------
+    str
+        ``text``, unchanged.
+    """
     if path is not None:
         with (
             replacing(path) as whole,
@@ -61,7 +74,23 @@ def saved(text: str, path: Any) -> str:
 
 
 def written(kind: str, content: dict, path: Any = None) -> str:
-    """Return a result as JSON, and write it to a path if given."""
+    """
+    Return a result as JSON, and write it to a path if given.
+
+    Parameters
+    ----------
+    kind : str
+        Format of the file, such as ``"pvlib_fem.FemFit"``.
+    content : dict
+        Fields of the result, as Python has them; see :func:`plain`.
+    path : str or path-like, optional
+        None writes nothing.
+
+    Returns
+    -------
+    str
+        JSON text; the file has a line end behind it.
+    """
     content = stamped(kind, content)
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     saved(text + "\n", path)
@@ -69,19 +98,55 @@ def written(kind: str, content: dict, path: Any = None) -> str:
 
 
 def stamped(kind: str, content: dict) -> dict:
-    """The content of a file of a kind, with format and version."""
+    """
+    Content of a file of a kind, with format and version.
+
+    Parameters
+    ----------
+    kind : str
+        Format of the file.
+    content : dict
+        Fields of the result.
+
+    Returns
+    -------
+    dict
+        In types of JSON, with ``format`` and ``version`` first.
+    """
     return plain({"format": kind, "version": VERSION, **content})
 
 
 def plain(content: Any) -> Any:
-    """Results, and what else goes into a file, in types of JSON."""
+    """
+    Convert a result, or other content of a file, to types of JSON.
+
+    Parameters
+    ----------
+    content : object
+        A dataclass, dict, list, tuple, time or number, also nested.
+
+    Returns
+    -------
+    dict, list, str, float, int, bool or None
+        NaN is None, an infinity ``"inf"`` or ``"-inf"``.
+    """
     return converter().unstructure(content)
 
 
 @contextmanager
 def opened(path: Any, kinds: Sequence) -> Iterator:
     """
-    Open the content of a file that has one of the formats ``kinds``.
+    Open the content of a file that has one of some formats.
+
+    Parameters
+    ----------
+    path : str or path-like
+    kinds : sequence of str
+        Formats that are accepted.
+
+    Yields
+    ------
+    Stored
 
     Raises
     ------

@@ -159,7 +159,20 @@ class Because:
 
 
 def because(reason: Reason, /, **values: Any) -> Because:
-    """A reason by its numbers; a list of names becomes one that formats itself."""
+    """
+    A reason with the values of its sentence.
+
+    Parameters
+    ----------
+    reason : Reason
+    **values
+        By the names in the sentence: numbers, texts, or lists of names, which become
+        :class:`Names`.
+
+    Returns
+    -------
+    Because
+    """
     for name, value in values.items():
         if isinstance(value, (list, tuple)):
             values[name] = Names(value)
@@ -167,6 +180,18 @@ def because(reason: Reason, /, **values: Any) -> Because:
 
 
 def together(reasons: list) -> Because:
-    """Several reasons as one."""
+    """
+    Join several reasons for one fact.
+
+    Parameters
+    ----------
+    reasons : list of Because
+        At least one.
+
+    Returns
+    -------
+    Because
+        The first; the others are in ``also``.
+    """
     first, *others = reasons
     return Because(first.reason, first.values, (*first.also, *others))
