@@ -15,7 +15,22 @@ TABLE = "zone1970.tab"  # of the tz database: a zone's own place, among others
 
 
 def transitions(index: pd.DatetimeIndex, zone: str) -> Iterator:
-    """Times, in standard time, at which a zone's clock moves in a record. [s]"""
+    """
+    Times, in standard time, at which a zone's clock moves in a record.
+
+    Parameters
+    ----------
+    index : pandas.DatetimeIndex, shape (rows,)
+        Times of the record; of a zone of their own the wall times count.
+    zone : str
+        Name in the tz database.
+
+    Yields
+    ------
+    tuple of pandas.Timestamp and float
+        Standard time of the zone, without one, and by how much its clock moves
+        then, positive forward. [s]
+    """
     ends = plain(index[0]), plain(index[-1])
     # the ends are not in universal time, which is less than a day from theirs
     day = pd.Timedelta(days=1)
@@ -32,19 +47,62 @@ def transitions(index: pd.DatetimeIndex, zone: str) -> Iterator:
 
 
 def zone_offsets(utc: pd.DatetimeIndex, zone: str) -> np.ndarray:
-    """A zone's clock less universal time. [s]"""
+    """
+    Clock of a zone less universal time.
+
+    Parameters
+    ----------
+    utc : pandas.DatetimeIndex, shape (times,)
+        In UTC.
+    zone : str
+        Name in the tz database.
+
+    Returns
+    -------
+    numpy.ndarray, shape (times,)
+        Positive east of Greenwich. [s]
+    """
     local = utc.tz_convert(zone).tz_localize(None)
     return (local - utc.tz_localize(None)).total_seconds().to_numpy()
 
 
 def plain(time: Any) -> Any:
+    """
+    Wall time without its zone.
+
+    Parameters
+    ----------
+    time : pandas.Timestamp or pandas.DatetimeIndex
+        With a zone or without.
+
+    Returns
+    -------
+    pandas.Timestamp or pandas.DatetimeIndex
+        Of the same kind and shape.
+    """
     return time.tz_localize(None)
 
 
 def zones_around(
     location: Location, time: pd.Timestamp, offset: float | pd.Index
 ) -> Iterator:
-    """Zones of a standard time that move their clocks, the nearest place first."""
+    """
+    Zones of a standard time that move their clocks, the nearest place first.
+
+    Parameters
+    ----------
+    location : pvlib.location.Location
+        From which distances are taken.
+    time : pandas.Timestamp
+        In the year whose clocks count.
+    offset : float
+        Standard time less universal time. [s]
+
+    Yields
+    ------
+    str
+        Name in the tz database.
+    """
     year = pd.date_range(f"{time.year}-01-01", periods=12, freq="MS", tz="UTC")
     near = sorted(places().items(), key=lambda item: distance(location, item[1]))
     for zone, _ in near:

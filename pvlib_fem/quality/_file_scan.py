@@ -257,7 +257,16 @@ class Look:
 
 
 def count_steps(counts: dict, steps: np.ndarray) -> None:
-    """Add how often each of some steps is there."""
+    """
+    Add how often each of some steps is there.
+
+    Parameters
+    ----------
+    counts : collections.Counter
+        Step to number of rows; changed in place.
+    steps : numpy.ndarray, shape (rows,)
+        Time of each row since the one before, as counts of the index's unit.
+    """
     if not len(steps):
         return
     if steps.min() == steps.max():
@@ -268,7 +277,19 @@ def count_steps(counts: dict, steps: np.ndarray) -> None:
 
 
 def median(counts: dict) -> float:
-    """Median of values by how often they are there; NaN without any."""
+    """
+    Median of values by how often they are there.
+
+    Parameters
+    ----------
+    counts : dict
+        Value to number of rows.
+
+    Returns
+    -------
+    float
+        In the unit of the values; NaN without any.
+    """
     if not counts:
         return np.nan
     values = np.array(sorted(counts))

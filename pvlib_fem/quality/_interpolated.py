@@ -25,7 +25,22 @@ SHARE = 0.99  # of the rows that follow the ends of their period
 
 
 def between(inputs: Inputs) -> Iterator:
-    """Report columns whose values are further apart than the rows, a sentence each."""
+    """
+    Report columns whose values are further apart than the rows.
+
+    Such a column keeps a value for 30 min to 6 h, or is a straight line between
+    values that far apart. The first 20 days are tested.
+
+    Parameters
+    ----------
+    inputs : Inputs
+        The record's columns; those without an entry in ``COLUMNS`` are not tested.
+
+    Yields
+    ------
+    str
+        A sentence for each column.
+    """
     step = inputs.step
     if not step > 0:
         return

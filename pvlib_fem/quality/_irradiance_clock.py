@@ -42,7 +42,7 @@ def twin_clock(
 
     Returns
     -------
-    TwinClock
+    IrradianceClock
         ``line`` speaks of half an hour and more, which no plane does to the edges of
         the light, and of jumps by as much: there the two have not one clock.
     """

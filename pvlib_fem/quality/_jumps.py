@@ -13,10 +13,28 @@ def jumps_of(
     """
     Days at which the middle of the light moves for good, or for some days.
 
-    A list of dicts: ``day``, ``by`` [s] and ``within``, the days it may be on. Moves
-    near to whole hours are those; others need as long again on both sides. Where days
-    are ``apart``, by whole seasons, only whole hours are reported, and only of a middle
-    that deviates from the sun's: over shorter gaps neither a season nor shade moves it.
+    Parameters
+    ----------
+    day : numpy.ndarray of int, shape (days,)
+        Numbers of the days, in order.
+    middle : numpy.ndarray, shape (days,)
+        Middle of each day's light, as a deviation from the same time of every day,
+        such as the sun's noon. [s]
+    limits : Limits
+        Thresholds of the noon: ``noon_side``, ``noon_error``, ``sun_slack`` and
+        ``sure``.
+    apart : bool, default False
+        Report jumps over gaps of whole seasons, too, but only by whole hours. That is
+        right for deviations from the sun's noon alone: otherwise the season moves the
+        middle over such a gap.
+
+    Returns
+    -------
+    list of dict
+        ``day``, the first after the jump, and ``at``, its place in ``day``; ``by``, its
+        size, positive to later stamps [s]; and ``within``, the first and last day that
+        it may be on. Moves near to whole hours are those; others are in whole minutes,
+        and need as long again on both sides.
     """
     fewest = max(limits.noon_side // 2, 1)
     tried = np.arange(fewest, len(day) - fewest + 1)
@@ -69,7 +87,20 @@ def jump_at(
 
 
 def change(before: np.ndarray, after: np.ndarray) -> tuple[float, float, float]:
-    """From one median to the other, its error, and how uneven both sides are. [s]"""
+    """
+    Move from one median to another.
+
+    Parameters
+    ----------
+    before, after : numpy.ndarray, shape (days,)
+        Times of day on both sides, each of its own number of days. [s]
+
+    Returns
+    -------
+    move, error, rough : tuple of float
+        Second median less the first, its standard error, and the sum of both sides'
+        mean absolute deviations from their medians. [s]
+    """
     sides = before, after
     centres = [np.median(side) for side in sides]
     off = [np.abs(side - centre) for side, centre in zip(sides, centres)]
@@ -125,6 +156,20 @@ def widened(jump: dict, day: np.ndarray, middle: np.ndarray, limits: Limits) -> 
 
 
 def whole_hours(by: float, limits: Limits) -> float:
-    """The whole hours that a move is near to, or 0. [s]"""
+    """
+    Whole hours that a move is near to.
+
+    Parameters
+    ----------
+    by : float
+        The move. [s]
+    limits : Limits
+        ``sure`` times ``noon_error`` is the deviation that is allowed.
+
+    Returns
+    -------
+    float
+        With the sign of the move; 0 where no hour is near. [s]
+    """
     hours = HOUR * round(by / HOUR)
     return float(hours) if abs(by - hours) < limits.sure * limits.noon_error else 0.0

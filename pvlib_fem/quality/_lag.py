@@ -83,7 +83,23 @@ def lag(
 def retimed(
     seconds: np.ndarray, values: np.ndarray, late: float | np.ndarray
 ) -> np.ndarray:
-    """What was written so much later, at each time; NaN beyond the ends. [s]"""
+    """
+    A column by correct times.
+
+    Parameters
+    ----------
+    seconds : numpy.ndarray, shape (rows,)
+        Times since the record's first row. [s]
+    values : numpy.ndarray, shape (rows,)
+        The column as it was written.
+    late : float or numpy.ndarray, shape (rows,)
+        How much later than it happened a value was written. [s]
+
+    Returns
+    -------
+    numpy.ndarray, shape (rows,)
+        Interpolated linearly at ``seconds + late``; NaN beyond the ends.
+    """
     return np.interp(seconds + late, seconds, values, left=np.nan, right=np.nan)
 
 

@@ -282,7 +282,22 @@ def line(x: np.ndarray, y: np.ndarray, stderr: np.ndarray, limits: Limits) -> tu
 
 
 def error_with_step(stderr: float, limit: float) -> float:
-    """Error of a clock with that of the unknown time of a row in its step. [s]"""
+    """
+    Error of a clock with that of the unknown time of a row in its step.
+
+    Parameters
+    ----------
+    stderr : float
+        Standard error of the clock. [s]
+    limit : float
+        Step of the rows and slack of a contact sensor, over which the unknown time is
+        distributed evenly: ``Clock.limit``. [s]
+
+    Returns
+    -------
+    float
+        Root of the sum of squares. [s]
+    """
     return np.hypot(stderr, limit / np.sqrt(12.0))
 
 

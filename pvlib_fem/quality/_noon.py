@@ -161,7 +161,25 @@ def noon_faults(late: float, jumps: tuple, step: float, limits: Limits) -> dict:
 
 
 def with_nights(seconds: np.ndarray, poa: np.ndarray, limits: Limits) -> np.ndarray:
-    """Irradiance with 0 before and after each day, in a file without nights."""
+    """
+    Irradiance with 0 before and after each day, in a file without nights.
+
+    Parameters
+    ----------
+    seconds : numpy.ndarray, shape (rows,)
+        Times since a midnight by the sun, at which days begin. [s]
+    poa : numpy.ndarray, shape (rows,)
+        Irradiance. [W/m²]
+    limits : Limits
+        ``light``, ``shortest_night`` and ``few_share``, the share of the rows of night
+        with a value from which the file has nights.
+
+    Returns
+    -------
+    numpy.ndarray, shape (rows,)
+        ``poa`` itself where the file has nights. Otherwise 0 for NaN outside the light
+        of each day; a day without light stays as it is. [W/m²]
+    """
     whole = np.floor(seconds / DAY)  # twice as fast as // and %
     deep = np.abs(seconds - whole * DAY - DAY / 2) > (DAY - limits.shortest_night) / 2
     if not deep.any() or np.isfinite(poa[deep]).mean() > limits.few_share:
@@ -179,7 +197,28 @@ def with_nights(seconds: np.ndarray, poa: np.ndarray, limits: Limits) -> np.ndar
 def middles(
     seconds: np.ndarray, poa: np.ndarray, step: float, limits: Limits
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Days that are whole, and the middle of the light of each. [s of its day]"""
+    """
+    Middle of the light of each whole day.
+
+    Parameters
+    ----------
+    seconds : numpy.ndarray, shape (rows,)
+        Times since a midnight by the sun, at which days begin. [s]
+    poa : numpy.ndarray, shape (rows,)
+        Irradiance. [W/m²]
+    step : float
+        Usual time between rows. [s]
+    limits : Limits
+        ``light``, ``bright``, ``shortest_night`` and ``few_share``, the share of a day
+        that may be missing.
+
+    Returns
+    -------
+    day : numpy.ndarray of int, shape (days,)
+        Numbers of the whole days, from 0.
+    middle : numpy.ndarray, shape (days,)
+        Half way between first and last light, from the begin of its day. [s]
+    """
     if not len(lit := np.flatnonzero(poa > limits.light)):
         return np.zeros(0, dtype=int), np.zeros(0)
     day = np.floor(seconds / DAY).astype(int)
@@ -223,7 +262,21 @@ def edge(
 
 
 def universal(time: pd.Timestamp, location: Location) -> pd.Timestamp:
-    """A time in UTC; without a zone, it is standard time at the location."""
+    """
+    A time in UTC.
+
+    Parameters
+    ----------
+    time : pandas.Timestamp
+        Without a zone it is standard time at the location.
+    location : pvlib.location.Location
+        Used for a time without a zone.
+
+    Returns
+    -------
+    pandas.Timestamp
+        In UTC, without a zone.
+    """
     if time.tz is not None:
         return time.tz_convert("UTC").tz_localize(None)
     return standard_time(pd.DatetimeIndex([time]), location)[0].tz_localize(None)
@@ -238,19 +291,28 @@ def due(
     start: pd.Timestamp,
 ) -> np.ndarray:
     """
-    The middle of the light that a half-clear sky gives on those days. [s]
+    The middle of the light that a half-clear sky gives on some days.
 
     Parameters
     ----------
     origin : Timestamp
-        In UTC, from which days are counted.
-    days : array of int
+        In UTC, without a zone: midnight by the sun, from which days are counted.
+    days : numpy.ndarray of int, shape (days,)
+        Numbers of the days, in order. Each fifth is computed, and those between are
+        interpolated.
     location : pvlib.location.Location
+        Of the sensor.
     plane : tuple
         Tilt and azimuth [°], None where they are not known, and a mount or None.
     limits : Limits
+        Thresholds of :func:`middles`.
     start : Timestamp
         The origin as the record has it.
+
+    Returns
+    -------
+    numpy.ndarray, shape (days,)
+        From the begin of each day; NaN if no day has an edge of light. [s]
     """
     if not len(days):
         return np.zeros(0)

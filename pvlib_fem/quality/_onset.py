@@ -50,7 +50,31 @@ class Sums:
 def daily_sums(
     seconds: np.ndarray, base: float, poa: np.ndarray, module: np.ndarray, limits: Any
 ) -> Sums:
-    """Daily products of rows a minute apart or more; days end in the dark."""
+    """
+    Products of the changes of irradiance and module temperature, by day and lag.
+
+    Days end in the dark. Rows some seconds apart are taken together to steps of about a
+    minute, with the mean of the irradiance and the last temperature.
+
+    Parameters
+    ----------
+    seconds : numpy.ndarray, shape (rows,)
+        Times since the record's first row. [s]
+    base : float
+        Usual time between rows. [s]
+    poa : numpy.ndarray, shape (rows,)
+        Irradiance. [W/m²]
+    module : numpy.ndarray, shape (rows,)
+        Temperature of the module. [°C]
+    limits : Limits
+        ``farthest_clock`` is the reach of the lags, with 45 min more.
+
+    Returns
+    -------
+    Sums
+        ``own`` has shape (days, reach + 1) [W²/m⁴], ``cross`` (days, 2 reach + 1)
+        [K W/m²], of the days that have rows.
+    """
     # short steps are taken together: the mean of what came in, the end of the answer
     gather = max(1, round(FINEST / base))
     step = base * gather
@@ -83,7 +107,23 @@ def daily_sums(
 
 
 def night(seconds: np.ndarray, poa: np.ndarray) -> float:
-    """The dark half a day before the record's mean noon, at or before its start. [s]"""
+    """
+    Midnight by the sun at or before a record's first row.
+
+    It is half a day from the mean noon of the irradiance.
+
+    Parameters
+    ----------
+    seconds : numpy.ndarray, shape (rows,)
+        Times since the record's first row. [s]
+    poa : numpy.ndarray, shape (rows,)
+        Irradiance; NaN counts as dark. [W/m²]
+
+    Returns
+    -------
+    float
+        Time since the first row, from −86400 to 0, in whole ten minutes. [s]
+    """
     part = (np.asarray(seconds) / 600.0).astype(int) % 144
     sun = np.bincount(part, np.where(np.isnan(poa), 0.0, poa), 144)
     turn = np.exp(2j * np.pi * np.arange(144) / 144)
@@ -100,7 +140,23 @@ def changes(values: np.ndarray, step: float, apart: np.ndarray) -> np.ndarray:
 
 
 def decays(lags: np.ndarray, step: float, onset: float) -> np.ndarray:
-    """Change per row after a step of irradiance, of each decay: lags × decays."""
+    """
+    Change per row after a step of irradiance, of each decay of ``DECAYS``.
+
+    Parameters
+    ----------
+    lags : numpy.ndarray of int, shape (lags,)
+        Numbers of rows since the step, one after the other.
+    step : float
+        Time between rows. [s]
+    onset : float
+        Time after the step at which the decays begin. [s]
+
+    Returns
+    -------
+    numpy.ndarray, shape (lags, decays)
+        As a share of the final answer; 0 before the onset. [-]
+    """
     return between(np.append(lags, lags[-1] + 1) * step - onset)
 
 
@@ -118,13 +174,45 @@ def response(since: np.ndarray) -> np.ndarray:
 
 
 def plain(step: float) -> np.ndarray:
-    """The answer of a usual module, to look for. [-]"""
+    """
+    Change per row of a usual module after a step of irradiance.
+
+    Parameters
+    ----------
+    step : float
+        Time between rows. [s]
+
+    Returns
+    -------
+    numpy.ndarray, shape (lags,)
+        From the row of the step to half an hour later, as a share of the final
+        answer. [-]
+    """
     lags = np.arange(1 + round(1800 / step))
     return decays(lags, step, 0.0)[:, 1:3].mean(axis=1)
 
 
 def measured_blocks(sums: Sums, changes: list, limits: Any) -> list:
-    """Blocks of some days, eight of them if they can; none across a change."""
+    """
+    Onset of the module's answer in blocks of some days.
+
+    Parameters
+    ----------
+    sums : Sums
+        From :func:`daily_sums`.
+    changes : list of int
+        Places of days at which the clock jumps, in order; no block is across one.
+    limits : Limits
+        ``block_number`` and ``longest_block`` give the length of the blocks,
+        ``clear_peak`` and ``sensor_slack`` which are kept.
+
+    Returns
+    -------
+    list of dict
+        For each block whose clouds show the onset: ``day``, the place of its first day;
+        ``seconds``, its middle since the first row; ``late``, the onset, positive if
+        the module is late, and its ``stderr`` [s]; ``coarse``, the onset in rows.
+    """
     length = np.clip(len(sums) / limits.block_number, FEWEST_DAYS, limits.longest_block)
     blocks = []
     for first, end in pairwise([0, *changes, len(sums)]):

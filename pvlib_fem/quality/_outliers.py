@@ -11,7 +11,24 @@ from pvlib_fem.quality._limits import FASTEST, Limits
 
 
 def apart(codes: np.ndarray, rest: np.ndarray, limits: Limits) -> np.ndarray:
-    """Codes in a column of unknown range that are no values."""
+    """
+    Codes in a column of unknown range that are no values.
+
+    Parameters
+    ----------
+    codes : numpy.ndarray, shape (codes,)
+        Values of the column that are codes of some logger.
+    rest : numpy.ndarray, shape (rows,)
+        Its other values, without NaN.
+    limits : Limits
+        A positive code is ``far`` times as large as all of these, in size, and they
+        are no switch; a negative one is ``far`` times below the lowest, or below 0.
+
+    Returns
+    -------
+    numpy.ndarray
+        Some of the codes; all of them if there is no other value.
+    """
     if not len(rest):
         return codes
     low, high = rest.min(), rest.max()
@@ -22,13 +39,41 @@ def apart(codes: np.ndarray, rest: np.ndarray, limits: Limits) -> np.ndarray:
 
 
 def few(values: np.ndarray, limits: Limits) -> bool:
-    """Whether a column has so few different values that it is a switch."""
+    """
+    Whether a column has so few different values that it is a switch.
+
+    Parameters
+    ----------
+    values : numpy.ndarray, shape (rows,)
+        Without NaN; 20,000 of them at least are compared.
+    limits : Limits
+        A switch has less than ``few_values``.
+
+    Returns
+    -------
+    bool
+        True of a switch.
+    """
     some = values[:: max(1, len(values) // 20_000)]
     return len(np.unique(some)) < limits.few_values
 
 
 def out_of_range(name: str, values: np.ndarray) -> np.ndarray:
-    """Rows of values that no sensor can have measured."""
+    """
+    Rows of values that no sensor can have measured.
+
+    Parameters
+    ----------
+    name : str
+        Column, as pvlib names it.
+    values : numpy.ndarray, shape (rows,)
+        In the unit of the package.
+
+    Returns
+    -------
+    numpy.ndarray of bool, shape (rows,)
+        False for NaN, and for all rows of a column whose range is not known.
+    """
     bounds = possible(name)
     if bounds is None:
         return np.zeros(len(values), dtype=bool)
@@ -36,7 +81,21 @@ def out_of_range(name: str, values: np.ndarray) -> np.ndarray:
 
 
 def outside(values: np.ndarray, low: float, high: float) -> np.ndarray:
-    """Rows of values below the one or above the other."""
+    """
+    Rows of values below one bound or above the other.
+
+    Parameters
+    ----------
+    values : numpy.ndarray, shape (rows,)
+        In any unit.
+    low, high : float
+        Bounds, which are allowed.
+
+    Returns
+    -------
+    numpy.ndarray of bool, shape (rows,)
+        False for NaN.
+    """
     # of most columns the two ends tell, in a fraction of the time
     if len(values) and np.fmin.reduce(values) >= low and np.fmax.reduce(values) <= high:
         return np.zeros(len(values), dtype=bool)
@@ -44,7 +103,23 @@ def outside(values: np.ndarray, low: float, high: float) -> np.ndarray:
 
 
 def slots(index: pd.DatetimeIndex, limits: Limits) -> tuple[np.ndarray, np.ndarray]:
-    """Number of each row's day, and of its part of the day."""
+    """
+    Number of each row's day, and of its part of the day.
+
+    Parameters
+    ----------
+    index : pandas.DatetimeIndex, shape (rows,)
+        Of a zone the wall times count.
+    limits : Limits
+        ``sun_slack`` is the length of a part.
+
+    Returns
+    -------
+    day : numpy.ndarray of int, shape (rows,)
+        Days since 1970-01-01.
+    part : numpy.ndarray of int, shape (rows,)
+        From 0 at midnight.
+    """
     local = (index if index.tz is None else index.tz_localize(None)).to_numpy()
     day = local.astype("M8[D]")
     seconds = (local - day) / np.timedelta64(1, "s")
@@ -55,8 +130,19 @@ def is_light(usual: pd.DataFrame, day: Any, slot: Any, limits: Limits) -> Any:
     """
     Whether some parts of days are light on the days around.
 
-    ``usual`` is the mean of the light, a row for each day that is there and a column
-    for each part of it.
+    Parameters
+    ----------
+    usual : pandas.DataFrame, shape (days, parts)
+        Mean irradiance; its index and columns have the numbers of :func:`slots`. [W/m²]
+    day, slot : numpy.ndarray of int, shape (n,)
+        Parts to look at, which ``usual`` has.
+    limits : Limits
+        ``day_side`` days on either side, of which one is above ``sunny``.
+
+    Returns
+    -------
+    numpy.ndarray of bool, shape (n,)
+        True for light.
     """
     around = usual.rolling(2 * limits.day_side + 1, 1, center=True).max()
     places = around.index.get_indexer(day), around.columns.get_indexer(slot)
@@ -79,6 +165,22 @@ def range_ends(name: str, values: np.ndarray, index: pd.Index, limits: Limits) -
 
     There it stays, on several days, and is more often at that one value than anywhere
     near it. What is measured has a tail instead.
+
+    Parameters
+    ----------
+    name : str
+        Column; those without an entry in ``ENDS`` have no end.
+    values : numpy.ndarray, shape (rows,)
+        The column, or evenly taken rows of it.
+    index : pandas.DatetimeIndex, shape (rows,)
+        Its times.
+    limits : Limits
+        ``few_values`` rows on ``end_days`` days at least.
+
+    Returns
+    -------
+    list of float
+        The largest value, the smallest, both or none.
     """
     found = []
     for way in ENDS.get(name, ()):
@@ -112,7 +214,28 @@ def at_end(
     Rows of values at such ends, and rows that the module remembers them in.
 
     What light, air and wind were while they stayed is not known, and the module still
-    has it when they are back. ``since`` is when they were last there before. [s]
+    has it when they are back.
+
+    Parameters
+    ----------
+    name : str
+        Column; of ``temp_module`` only the values at the ends count.
+    values : numpy.ndarray, shape (rows,)
+        The column, or a block of it.
+    seconds : numpy.ndarray, shape (rows,)
+        Times of its rows. [s]
+    ends : list of float
+        From :func:`range_ends`.
+    limits : Limits
+        ``still_time`` is the memory of the module.
+    since : float, default -inf
+        When the column was at an end before the first row, on the scale of
+        ``seconds``. [s]
+
+    Returns
+    -------
+    numpy.ndarray of bool, shape (rows,)
+        True where the value is not to be used.
     """
     rows = np.isin(values, ends)
     if name == "temp_module" or not ends:
@@ -137,6 +260,22 @@ def jumps(
     Rows that lie on one side of those before and after by more than can be.
 
     The longer the time between those two, the more can be.
+
+    Parameters
+    ----------
+    name : str
+        ``"temp_air"`` or ``"temp_module"``.
+    values : numpy.ndarray, shape (rows,)
+        Temperatures. [°C]
+    seconds : numpy.ndarray, shape (rows,)
+        Times of the rows. [s]
+    limits : Limits
+        ``spike``, ``still_air`` and ``few_rows``, the most rows of one jump.
+
+    Returns
+    -------
+    numpy.ndarray of bool, shape (rows,)
+        False for NaN, which are skipped.
     """
     result = np.zeros(len(values), dtype=bool)
     known = np.isfinite(values)

@@ -162,7 +162,21 @@ def fixed_rather(
 
 
 def at_rows(angles: tuple, rows: np.ndarray) -> tuple[float, float]:
-    """Angles at some rows; numbers are the same in all."""
+    """
+    Angles of a plane at some rows.
+
+    Parameters
+    ----------
+    angles : tuple of float or numpy.ndarray, shape (rows,)
+        Tilt and azimuth; a number is the same in all rows. [°]
+    rows : numpy.ndarray of int or bool
+        Rows that are taken.
+
+    Returns
+    -------
+    tuple of float or numpy.ndarray
+        Numbers as they are, arrays at these rows. [°]
+    """
     return tuple(a if np.ndim(a) == 0 else np.asarray(a)[rows] for a in angles)
 
 
@@ -174,7 +188,32 @@ def clear_days(
     months: np.ndarray,
     share: float = CLEAREST,
 ) -> "tuple[np.ndarray, Sky] | None":
-    """Rows of the days with most light of each month, and a clear sky; or None."""
+    """
+    Rows of the days with most light of each month, and a clear sky over them.
+
+    Light is the sum of a day's irradiance, divided by that of the cosine of the zenith.
+
+    Parameters
+    ----------
+    poa_global : numpy.ndarray or pandas.Series, shape (rows,)
+        [W/m²]
+    index : pandas.DatetimeIndex, shape (rows,)
+        Without a zone in standard time at the location.
+    location : pvlib.location.Location
+        Of the sensor.
+    late : float
+        By how much the rows' times are late. [s]
+    months : numpy.ndarray of int, shape (rows,)
+        Groups of days that are compared, such as months of the year.
+    share : float, default 0.1
+        Share of each group's days that are taken, two days at least. [-]
+
+    Returns
+    -------
+    tuple of numpy.ndarray and Sky, or None
+        Numbers of these days' rows with the sun above 20°, shape (n,), and the sky over
+        them. None of a record with less than 60 whole days.
+    """
     poa = np.asarray(poa_global, dtype=float)
     place = sun(index - pd.Timedelta(seconds=late), location)
     zenith, azimuth = (place[name].to_numpy() for name in place.columns)

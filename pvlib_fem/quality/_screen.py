@@ -117,8 +117,29 @@ def alone(
     """
     Screen all but stuck sensors, which need other columns.
 
-    ``names`` are the screened columns, by default all. ``late`` has a module
-    pass whose clock is off by hours.
+    Parameters
+    ----------
+    record : Record
+        As it came.
+    limits : Limits
+        The thresholds.
+    check_units : bool, default True
+        Refuse columns that look to be in another unit.
+    names : tuple of str, optional
+        Columns that are screened, by default all.
+    late : bool, default False
+        Accept a module whose clock is off by hours.
+
+    Returns
+    -------
+    Record, Faults
+        As of :func:`screened`.
+
+    Raises
+    ------
+    ValueError
+        If a column looks to be in another unit, or one of the four columns has no value
+        but fill values, or too many that are impossible.
     """
     return less(record, *by_columns(record, limits, check_units, names, late))
 

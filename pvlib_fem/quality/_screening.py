@@ -63,7 +63,20 @@ KINDS = {
 
 
 def sentence(row: Any) -> str:
-    """What was found in one column, in one line."""
+    """
+    What was found in one column, in one line.
+
+    Parameters
+    ----------
+    row : Found
+        Or a row of ``Faults.counts`` as a named tuple: ``column``, ``kind``, number of
+        ``rows``, time of the ``first``, and ``value`` there.
+
+    Returns
+    -------
+    str
+        A sentence without a full stop.
+    """
     low, high, unit = possible(row.column) or (0, 0, "")
     what = KINDS[row.kind].format(value=row.value, low=low, high=high, unit=unit)
     many = f"in {row.rows:,} rows, first at" if row.rows > 1 else "at"

@@ -9,7 +9,21 @@ from pvlib_fem.quality._limits import Limits
 
 
 def refuse_stray(index: Any, limits: Any) -> None:
-    """Refuse rows that are years from all others: their time is not theirs."""
+    """
+    Refuse rows that are years from all others: their time is not theirs.
+
+    Parameters
+    ----------
+    index : pandas.DatetimeIndex, shape (rows,)
+        Sorted times of a record.
+    limits : Limits
+        ``stray_gap`` and ``few_share``.
+
+    Raises
+    ------
+    ValueError
+        If there are such rows.
+    """
     gap = np.timedelta64(int(limits.stray_gap), "s")  # in ns too long a gap overflows
     times = instants(index)
     if times[-1] - times[0] <= gap:
@@ -21,7 +35,25 @@ def refuse_stray(index: Any, limits: Any) -> None:
 def refuse_gap(
     at: Any, total: Any, start: Any, before: Any, after: Any, limits: Limits
 ) -> None:
-    """Refuse the rows on one side of a gap before row ``at``, if they are few."""
+    """
+    Refuse the rows on one side of a gap, if they are few.
+
+    Parameters
+    ----------
+    at : int
+        First row after the gap.
+    total : int
+        Number of rows.
+    start, before, after : pandas.Timestamp
+        Times of the first row, and of the rows on either side of the gap.
+    limits : Limits
+        ``few_share`` of the rows, or one row, are few.
+
+    Raises
+    ------
+    ValueError
+        If they are few.
+    """
     early = at <= total / 2
     rows = at if early else total - at
     if rows > max(limits.few_share * total, 1):

@@ -125,7 +125,25 @@ def most_kept(rows: int, changes: Any, limits: Limits) -> Any:
 
 
 def whole_run(value: float, rows: int, first: int, last: int, unit: float = 1.0) -> Any:
-    """The one repetition of a column that never moves, with its first and last time."""
+    """
+    The one repetition of a column that never moves.
+
+    Parameters
+    ----------
+    value : float
+        Its value.
+    rows : int
+        Number of rows of the record.
+    first, last : int
+        Times of the first and last row, as counts of a unit.
+    unit : float, default 1.0
+        Length of one count. [s]
+
+    Returns
+    -------
+    Runs
+        Of one repetition, which is odd.
+    """
     ends = np.array([0]), np.array([rows - 1]), np.array([first])
     time = np.array([(last - first) * unit])
     return Runs(np.array([value]), *ends, time, np.array([True]))
@@ -133,10 +151,24 @@ def whole_run(value: float, rows: int, first: int, last: int, unit: float = 1.0)
 
 def rest_of(name: str, values: np.ndarray, limits: Limits) -> float:
     """
-    Value at which a column's sensor rests; NaN of one that does not.
+    Value at which a column's sensor rests.
 
     That is the dark, the lowest value of a flow, the highest humidity. An anemometer's
     calm, or a night of an inverter, need not be 0; a few values may be beyond it.
+
+    Parameters
+    ----------
+    name : str
+        Column.
+    values : numpy.ndarray, shape (rows,)
+        The column, or evenly taken rows of it.
+    limits : Limits
+        ``light``, and ``few_share`` of the values that may be beyond.
+
+    Returns
+    -------
+    float
+        In the unit of the column; NaN if its sensor does not rest.
     """
     if name == "poa_global":
         return limits.light
@@ -250,11 +282,18 @@ def frozen(clean: CleanRecord, standing: dict, rests: dict, limits: Limits) -> d
     Parameters
     ----------
     clean : CleanRecord
+        As it is screened so far, with the four columns.
     standing : dict of Runs
         Long repetitions of each column.
     rests : dict
         Value at which each sensor rests.
     limits : Limits
+        Thresholds of stuck sensors.
+
+    Returns
+    -------
+    dict of numpy.ndarray, shape (spans, 2)
+        First row of each span, and the one after its last; of stuck columns alone.
     """
     seen = {n: standing[n].some(too_long(standing[n], limits)) for n in STILL}
     found, untested = {}, [name for name in STILL if len(seen[name].first)]
@@ -380,16 +419,51 @@ def merge(bounds: np.ndarray, i: Any, values: np.ndarray) -> None:
 
 
 def may_rest(wind: np.ndarray, rest: float, usual: float, limits: Limits) -> bool:
-    """Whether so many rows are at one value, or below, that a calm may be too long."""
+    """
+    Whether so many rows are at one value of rest that a calm may be too long.
+
+    Parameters
+    ----------
+    wind : numpy.ndarray, shape (rows,)
+        Wind speed, or evenly taken rows of it. [m/s]
+    rest : float
+        Value at which the anemometer rests. [m/s]
+    usual : float
+        Time for which one of these rows counts. [s]
+    limits : Limits
+        ``calm``, the time that is allowed.
+
+    Returns
+    -------
+    bool
+        False means that no calm is too long.
+    """
     _, counts = np.unique(wind[wind <= rest], return_counts=True)
     return counts.max(initial=0) * usual > limits.calm
 
 
 def becalmed(clean: CleanRecord, usual: float, rest: float, limits: Limits) -> list:
     """
-    Rows of wind at rest for longer than a calm lasts, with their times and values.
+    Rows of wind at rest for longer than a calm lasts.
 
-    Gaps take no time: no row is further from the one before than a usual step. [s]
+    Gaps take no time: no row is further from the one before than a usual step.
+
+    Parameters
+    ----------
+    clean : CleanRecord
+        With ``wind_speed``.
+    usual : float
+        Usual time between rows. [s]
+    rest : float
+        Value at which the anemometer rests. [m/s]
+    limits : Limits
+        ``calm``, the time that is allowed.
+
+    Returns
+    -------
+    list of numpy.ndarray, shape (n,)
+        Numbers of the rows, their times as counts of the index's unit, and wind
+        speeds [m/s].
     """
     standing, number = Standing("wind_speed", limits), 0
     elapsed, last = 0.0, None
@@ -416,7 +490,21 @@ def becalmed(clean: CleanRecord, usual: float, rest: float, limits: Limits) -> l
 
 
 def refuse_frozen(record: Record, frozen: dict) -> None:
-    """Refuse a record in which a sensor never moves, so that no row can be used."""
+    """
+    Refuse a record in which a sensor never moves, so that no row can be used.
+
+    Parameters
+    ----------
+    record : Record
+        With the columns of ``frozen``.
+    frozen : dict of numpy.ndarray of bool, shape (rows,)
+        Rows of stuck sensors, by column.
+
+    Raises
+    ------
+    ValueError
+        If a stuck column has one value only.
+    """
     whole = [
         name for name in frozen if frozen[name].any() and never_moves(record[name])
     ]
@@ -425,7 +513,21 @@ def refuse_frozen(record: Record, frozen: dict) -> None:
 
 
 def frozen_error(name: str, lines: list) -> Any:
-    """The error of sensors that never move, of which ``name`` is one."""
+    """
+    The error of sensors that never move.
+
+    Parameters
+    ----------
+    name : str
+        The first of their columns.
+    lines : list of str
+        From :func:`standing_line`, one of each.
+
+    Returns
+    -------
+    ValueError
+        With the remedy, as Python and as a shell spell it.
+    """
     words = (
         f"{'; '.join(lines)}, so no row is left; look at sensor and logger, or name "
         f"the column of a sensor that moves as {name}"
@@ -435,7 +537,21 @@ def frozen_error(name: str, lines: list) -> Any:
 
 
 def stuck_line(record: Record, frozen: dict) -> str:
-    """The stuck sensor, since when and at which value, in one line."""
+    """
+    The stuck sensors, since when and at which value, in one line.
+
+    Parameters
+    ----------
+    record : Record
+        With the columns of ``frozen``.
+    frozen : dict of numpy.ndarray of bool, shape (rows,)
+        Rows of stuck sensors, by column; one of them at least has such rows.
+
+    Returns
+    -------
+    str
+        With the remedy.
+    """
     lines = [one_line(record, name, rows) for name, rows in frozen.items()]
     lines = "; ".join(filter(None, lines))
     return f"{lines}: they are not used; look at sensor and logger"
@@ -466,4 +582,21 @@ def whole_line(record: Record, name: str) -> Any:
 def standing_line(
     name: str, value: float, first: pd.Timestamp, last: pd.Timestamp
 ) -> str:
+    """
+    One line for a sensor that is stuck for the whole record.
+
+    Parameters
+    ----------
+    name : str
+        Column.
+    value : float
+        Its only value, in its unit.
+    first, last : pandas.Timestamp
+        First and last time with that value.
+
+    Returns
+    -------
+    str
+        A clause without a full stop.
+    """
     return f"{name} is stuck at {value:g} for the whole record, from {first} to {last}"

@@ -87,7 +87,21 @@ def doubtful(columns: Columns, limits: Limits | None = None) -> dict[str, str]:
 
 
 def refuse_doubtful(columns: Columns, limits: Limits | None = None) -> None:
-    """Refuse drivers that look to be in another unit."""
+    """
+    Refuse drivers that look to be in another unit.
+
+    Parameters
+    ----------
+    columns : Columns
+        As of :func:`doubtful`.
+    limits : Limits, optional
+        The thresholds.
+
+    Raises
+    ------
+    ValueError
+        That names each such driver, with the remedy.
+    """
     if found := doubtful(columns, limits):
         lines = [f"{name} {reason}" for name, reason in found.items()]
         raise refusal("; ".join(lines), "; if the unit is right, give ", UNCHECKED)
@@ -100,7 +114,23 @@ def often(odd: np.ndarray, limits: Limits) -> bool:
 def unit_of_driver(
     name: str, values: np.ndarray | pd.Series, limits: Limits | None = None
 ) -> str:
-    """The unit in which a driver looks to be, by its values; "" if in its own."""
+    """
+    The unit in which a driver looks to be, by its values.
+
+    Parameters
+    ----------
+    name : str
+        Driver; only ``relative_humidity`` and ``wind_direction`` show their unit.
+    values : numpy.ndarray or pandas.Series, shape (rows,)
+        The column.
+    limits : Limits, optional
+        ``few_values``, which a direction needs at least.
+
+    Returns
+    -------
+    str
+        ``"fraction"`` or ``"rad"``; ``""`` where nothing speaks against %, or °.
+    """
     limits, values = limits or Limits(), np.asarray(values, float)
     seen, known = values[np.isfinite(values)], range_of(name)
     if not len(seen) or known is None:
@@ -114,7 +144,24 @@ def unit_of_driver(
 
 
 def options_of(column: Any, name: str, values: Any) -> Any:
-    """Options that read a column of a file as what it looks like, in its unit."""
+    """
+    Options that read a column of a file as what it looks like, in its unit.
+
+    Parameters
+    ----------
+    column : str
+        Label in the file, which may name the unit.
+    name : str
+        What the column looks like, as the package names it.
+    values : pandas.Series or numpy.ndarray, shape (rows,)
+        The column, which may show the unit.
+
+    Returns
+    -------
+    list of str
+        ``--map``, and ``--unit`` where the unit is not the package's own, each with its
+        value.
+    """
     known = usual_name_of(name) is not None
     named = named_unit(name, str(column)) if known else None
     unit = named or unit_of_driver(name, values)
@@ -306,11 +353,27 @@ def refuse_units(
     """
     Refuse a column that looks to be in another unit, or not what its name says.
 
-    ``late`` has a module whose clock is off by hours pass, where its units are right.
-
     The thermal laws tie the columns together: over-temperature follows
     irradiance with 10 to 60 mK/(W/m²), a module at night is within some kelvin
     of the air, and wind changes the resistance by 4 to 20 % per m/s.
+
+    Parameters
+    ----------
+    inputs : Inputs
+        With the four columns that every fit needs.
+    limits : Limits, optional
+        The thresholds.
+    late : bool, default False
+        Accept a module whose clock is off by hours, where its units are right.
+
+    Raises
+    ------
+    ForeignUnit
+        If the unit of a column is another one that can be converted.
+    SwappedTemperatures
+        If ``temp_air`` and ``temp_module`` are exchanged.
+    ValueError
+        If a column is a copy, its unit is uncertain, or a clock is off by hours.
     """
     odd, off = suspected(inputs, signs(inputs), limits or Limits())
     if odd or (off and not late):
@@ -342,14 +405,42 @@ def of_hours(off: Any) -> UnitDoubt:
 
 
 def module_lag(inputs: Any, limits: Any) -> Lag | None:
-    """By how many steps the module's clock is off, or None where it is not."""
+    """
+    By how many steps the module's clock is off.
+
+    Parameters
+    ----------
+    inputs : Inputs
+        With ``poa_global``, ``temp_air`` and ``temp_module``.
+    limits : Limits
+        Thresholds of the clock.
+
+    Returns
+    -------
+    Lag or None
+        None where the clock is right, or cannot be checked.
+    """
     columns = (inputs[name] for name in ("poa_global", "temp_air", "temp_module"))
     found = lag(*[inputs.seconds, *columns, limits])
     return found if found and found.late else None
 
 
 def in_step(inputs: Inputs, off: Lag) -> Inputs:
-    """The inputs with the module by the clock of the irradiance."""
+    """
+    The inputs with the module by the clock of the irradiance.
+
+    Parameters
+    ----------
+    inputs : Inputs
+        With ``temp_module``.
+    off : Lag
+        From :func:`module_lag`.
+
+    Returns
+    -------
+    Inputs
+        ``temp_module`` is NaN beyond the ends.
+    """
     module = retimed(inputs.seconds, inputs["temp_module"], off.late)
     return inputs.having({"temp_module": module})
 
@@ -526,9 +617,21 @@ def oddities(
     inputs: Inputs, limits: Limits | None = None, absent: tuple = ()
 ) -> Iterator:
     """
-    What looks odd in the columns but may be so, a sentence each.
+    What looks odd in the columns but may be so.
 
-    The ``absent`` columns were not measured.
+    Parameters
+    ----------
+    inputs : Inputs
+        With the four columns that every fit needs.
+    limits : Limits, optional
+        The thresholds.
+    absent : tuple of str, default ()
+        Columns that were not measured, which hold 0.
+
+    Yields
+    ------
+    str
+        A sentence each.
     """
     yield from between(inputs)
     limits, found = limits or Limits(), signs(inputs)

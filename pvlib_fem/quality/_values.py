@@ -6,14 +6,38 @@ FEW = 1000  # rows, which identify most columns
 
 
 def resolution(values: np.ndarray) -> float:
-    """Smallest change of a column; 0 of one that never changes."""
+    """
+    Smallest change of a column.
+
+    Parameters
+    ----------
+    values : numpy.ndarray, shape (rows,)
+        Changes next to a NaN do not count.
+
+    Returns
+    -------
+    float
+        In the unit of the column; 0 if it never changes.
+    """
     change = np.abs(np.diff(values))
     change = change[change > 1e-9]
     return float(change.min()) if len(change) else 0.0
 
 
 def never_moves(values: np.ndarray) -> bool:
-    """Whether a column has one value only, whatever is missing."""
+    """
+    Whether a column has one value only, whatever is missing.
+
+    Parameters
+    ----------
+    values : numpy.ndarray, shape (rows,)
+        NaN where it is missing.
+
+    Returns
+    -------
+    bool
+        False of a column without any value.
+    """
     for some in (values[:FEW], values):  # of most columns a few rows tell
         seen = some[np.isfinite(some)]
         if len(seen) and np.ptp(seen) > 0:
