@@ -20,6 +20,21 @@ MOST_ROWS = 10_000_000  # ten years by the half minute, some GiB
 
 
 def check_length(days: int, step: float) -> None:
+    """
+    Refuse a simulated record that is too long.
+
+    Parameters
+    ----------
+    days : int
+        Length of the record.
+    step : float
+        Time step. [s]
+
+    Raises
+    ------
+    click.BadParameter
+        If the record has more than ``MOST_ROWS`` rows.
+    """
     if days * 86400.0 / step > MOST_ROWS:
         raise click.BadParameter(
             f"{days} days at {step:g} s are {days * 86400.0 / step:,.0f} rows; the "
@@ -29,7 +44,23 @@ def check_length(days: int, step: float) -> None:
 
 
 def demo_site(days: int, step: float, seed: int) -> Loop:
-    """A simulated site as a user has it, the answer, and then the truth."""
+    """
+    Print the loop of a simulated site, and then the effects of the simulation.
+
+    Parameters
+    ----------
+    days : int
+        Length of the simulated record.
+    step : float
+        Its time step. [s]
+    seed : int
+        Seed of its weather and noise.
+
+    Returns
+    -------
+    Loop
+        Of the record without longwave irradiance and snow depth, which few sites have.
+    """
     say(
         f"a simulated site, {days} days at {step / 60:g} min, with {len(HIDDEN)} "
         "effects that the loop is not told of\n"

@@ -29,6 +29,19 @@ class Readable(click.Path):
 
 
 def files_argument(required: bool = True) -> Callable:
+    """
+    Argument of a command for files, folders and patterns.
+
+    Parameters
+    ----------
+    required : bool, default True
+        Whether the command needs at least one.
+
+    Returns
+    -------
+    callable
+        Decorator of a command, which gets ``files``, a tuple of Path.
+    """
     return click.argument(
         "files",
         metavar="FILE..." if required else "[FILE...]",

@@ -63,17 +63,53 @@ class Command(click.Command):
 
 
 def command_with(*examples: str) -> Callable:
-    """A decorator that makes a command with these examples."""
+    """
+    Decorator for a command with these examples.
+
+    Parameters
+    ----------
+    *examples : str
+        Command lines at the end of the help page, in this order.
+
+    Returns
+    -------
+    callable
+        Makes a :class:`Command` of a function.
+    """
     return click.command(cls=Command, examples=examples)
 
 
 def under(heading: str) -> Callable:
-    """What makes options of this heading."""
+    """
+    Maker of options under one heading.
+
+    Parameters
+    ----------
+    heading : str
+        One of ``ORDER``.
+
+    Returns
+    -------
+    callable
+        Takes the arguments of ``click.option`` and returns the decorator of a command.
+    """
     return partial(click.option, cls=Option, heading=heading)
 
 
 def added(*options: Callable) -> Callable:
-    """A decorator of a command with options, in this order."""
+    """
+    Decorator of a command with options, in this order.
+
+    Parameters
+    ----------
+    *options : callable
+        Decorators, as ``click.option`` and this function return them.
+
+    Returns
+    -------
+    callable
+        Adds all options to a command.
+    """
 
     def decorated(command: Callable) -> Callable:
         for option in options[::-1]:

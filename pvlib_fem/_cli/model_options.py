@@ -103,6 +103,21 @@ min_gain_option = effect(
 
 
 def model_option(default: str, instead: str) -> Callable:
+    """
+    Option for the steady model.
+
+    Parameters
+    ----------
+    default : str
+        Steady model without the option.
+    instead : str
+        What the help says of the default, without a full stop.
+
+    Returns
+    -------
+    callable
+        Decorator of a command, which gets ``model``.
+    """
     return model(
         "--model",
         type=click.Choice(list(STEADY_MODELS)),

@@ -62,7 +62,25 @@ PLACE = ("lat", "lon", "tilt", "azimuth", *TRACKER)
 
 
 def columns_of(renames: Iterable[str]) -> dict[str, str]:
-    """The map of --map, from the package's names to those of the file."""
+    """
+    The map of --map, from the package's names to those of the file.
+
+    Parameters
+    ----------
+    renames : iterable of str
+        Texts ``NAME=COLUMN``; an older name of the package is replaced by the present
+        one.
+
+    Returns
+    -------
+    dict of str
+
+    Raises
+    ------
+    click.BadParameter
+        If a text has another form, a name is unknown or of the times, or a name or
+        column is given twice.
+    """
     mapped = in_new_names(pairs(renames, "--map", "NAME=COLUMN"))
     for name, column in mapped.items():
         if column == "COLUMN":
@@ -85,7 +103,24 @@ def columns_of(renames: Iterable[str]) -> dict[str, str]:
 
 
 def units_of(texts: Iterable[str]) -> dict[str, str]:
-    """The units of --unit by the package's names."""
+    """
+    The units of --unit by the package's names.
+
+    Parameters
+    ----------
+    texts : iterable of str
+        Texts ``NAME=UNIT``.
+
+    Returns
+    -------
+    dict of str
+        Units as the package spells them.
+
+    Raises
+    ------
+    click.BadParameter
+        If a text has another form, or the column has no such unit.
+    """
     units = in_new_names(pairs(texts, "--unit", "NAME=UNIT"))
     try:
         return {name: unit_of(name, unit) for name, unit in units.items()}
@@ -94,7 +129,24 @@ def units_of(texts: Iterable[str]) -> dict[str, str]:
 
 
 def held(texts: Iterable[str]) -> dict[str, float]:
-    """The coefficients of --fix."""
+    """
+    The coefficients of --fix.
+
+    Parameters
+    ----------
+    texts : iterable of str
+        Texts ``NAME=NUMBER``.
+
+    Returns
+    -------
+    dict of float
+        By the name of the coefficient, in its own unit.
+
+    Raises
+    ------
+    click.BadParameter
+        If a text has another form.
+    """
     numbers = {}
     for name, value in pairs(texts, "--fix", "NAME=NUMBER").items():
         try:
@@ -105,7 +157,24 @@ def held(texts: Iterable[str]) -> dict[str, float]:
 
 
 def settings_of(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """The settings of --effect-setting by the names of the effects."""
+    """
+    The settings of --effect-setting by the names of the effects.
+
+    Parameters
+    ----------
+    texts : iterable of str
+        Texts ``NAME.SETTING=VALUE``; a value that is no JSON is a word.
+
+    Returns
+    -------
+    dict of dict
+        By the name of the effect and that of the setting.
+
+    Raises
+    ------
+    click.BadParameter
+        If a text has another form.
+    """
     form, settings = "NAME.SETTING=VALUE", {}
     for key, text in pairs(texts, "--effect-setting", form).items():
         name, dot, setting = key.partition(".")
@@ -120,7 +189,27 @@ def settings_of(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
 
 
 def layouts_of(options: Mapping[str, Any], files: Sequence[Path]) -> list[Layout]:
-    """How each file is written."""
+    """
+    How each file is written.
+
+    Parameters
+    ----------
+    options : dict
+        Options of reading: of ``PER_FILE`` a sequence, of ``SAME`` one value.
+    files : sequence of Path
+        Files to read.
+
+    Returns
+    -------
+    list of Layout
+        One for each file.
+
+    Raises
+    ------
+    click.BadParameter
+        If an option is given neither once nor once for each file, or is no number of
+        lines or no decimal sign.
+    """
     values = {}
     for name, default in PER_FILE.items():
         given = options[name]
@@ -174,7 +263,28 @@ def lines_of(text: str, option: str) -> int | tuple[int, ...]:
 
 
 def days_of(texts: Sequence[str], index: pd.DatetimeIndex) -> pd.Series | None:
-    """The rows of --holdout, or None without it."""
+    """
+    The rows of --holdout, or None without it.
+
+    Parameters
+    ----------
+    texts : sequence of str
+        Texts ``DAY`` or ``DAY..DAY``; the last day is included.
+    index : DatetimeIndex
+        Times of the record; days are those of its zone.
+
+    Returns
+    -------
+    Series of bool or None
+        True on these days, with the index of the record.
+
+    Raises
+    ------
+    click.BadParameter
+        If a text is no day.
+    ValueError
+        If the record has no such day.
+    """
     if not texts:
         return None
     local = index.tz_localize(None).normalize()
@@ -198,7 +308,27 @@ def days_of(texts: Sequence[str], index: pd.DatetimeIndex) -> pd.Series | None:
 def effects_of(
     texts: Iterable[str], settings: Mapping[str, Mapping[str, Any]]
 ) -> list[str | dict[str, Any]]:
-    """The effects of --effects from the catalogue, with their settings."""
+    """
+    The effects of --effects from the catalogue, with their settings.
+
+    Parameters
+    ----------
+    texts : iterable of str
+        Names of effects, separated by commas.
+    settings : dict of dict
+        Settings by the names of their effects, see :func:`settings_of`.
+
+    Returns
+    -------
+    list of str or dict
+        Specification of each effect, see :func:`pvlib_fem.effects.find`.
+
+    Raises
+    ------
+    ValueError
+        If an effect is unknown or given twice, or settings are of an effect that is not
+        given.
+    """
     names = [name.strip() for text in texts for name in text.split(",")]
     for name in names:
         find(name)

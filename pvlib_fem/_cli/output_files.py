@@ -72,7 +72,19 @@ def check_outputs(
 
 
 def check_ceiling(wanted: bool) -> None:
-    """Refuse before the work what needs a package that is missing."""
+    """
+    Refuse before the work what needs a package that is missing.
+
+    Parameters
+    ----------
+    wanted : bool
+        Whether the ceiling has to be computed.
+
+    Raises
+    ------
+    ValueError
+        If scikit-learn is not installed.
+    """
     if wanted and find_spec("sklearn") is None:
         raise ValueError(
             "--ceiling needs scikit-learn: pip install 'pvlib_fem[ceiling]'"
@@ -90,7 +102,16 @@ def same(path: Path) -> str | tuple[int, int]:
 
 
 def write(path: Path | None, writer: Callable[[Path], object]) -> None:
-    """Write a file, and say so."""
+    """
+    Write a file, and say so.
+
+    Parameters
+    ----------
+    path : Path or None
+        Without a path nothing is written.
+    writer : callable
+        Writes the file; takes the path.
+    """
     if path is not None:
         writer(path)
         say(f"\nwrote {path}")
@@ -102,6 +123,15 @@ def as_csv(frame: pd.DataFrame) -> str:
 
     A name that begins as a formula does gets an apostrophe before it, as a spreadsheet
     has it for text.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        Its index is the first column of the text.
+
+    Returns
+    -------
+    str
     """
     return frame.rename(
         columns=lambda name: f"'{name}" if str(name).lstrip()[:1] in FORMULA else name
@@ -109,7 +139,16 @@ def as_csv(frame: pd.DataFrame) -> str:
 
 
 def picture(result: FemFit, path: Path) -> None:
-    """The picture of a fit, in the format that its name ends with."""
+    """
+    Write the picture of a fit, in the format that its name ends with.
+
+    Parameters
+    ----------
+    result : FemFit
+        Fit to draw.
+    path : Path
+        File ``.png``, ``.svg`` or ``.pdf``.
+    """
     figure = result.plot().figure
     with replacing(path) as whole:
         figure.savefig(whole, dpi=150, format=path.suffix[1:].lower())
@@ -118,6 +157,19 @@ def picture(result: FemFit, path: Path) -> None:
 def write_report(
     path: Path | None, result: FemFit | Loop, title: str | None, files: Iterable[Path]
 ) -> None:
-    """The page of a fit or a loop, headed by the title or the names of the files."""
+    """
+    Write the page of a fit or a loop, and say so.
+
+    Parameters
+    ----------
+    path : Path or None
+        Without a path nothing is written.
+    result : FemFit or Loop
+        Result to report.
+    title : str or None
+        Title of the page; by default the names of the files.
+    files : iterable of Path
+        Files of the record.
+    """
     title = title or ", ".join(file.name for file in files)
     write(path, lambda whole: result.to_html(whole, title=title))

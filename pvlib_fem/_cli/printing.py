@@ -15,7 +15,20 @@ from pvlib_fem._spelling import in_shell
 
 
 def safe(text: object) -> str:
-    """Text of a file, which cannot steer the terminal."""
+    r"""
+    Text of a file, which cannot steer the terminal.
+
+    Parameters
+    ----------
+    text : object
+        Anything that has a text.
+
+    Returns
+    -------
+    str
+        Its text; of control and direction signs but new lines and tabs the code, such
+        as ``\x1b``.
+    """
     return "".join(
         f"\\x{ord(sign):02x}" if steers(sign) and sign not in "\n\t" else sign
         for sign in str(text)
@@ -23,7 +36,16 @@ def safe(text: object) -> str:
 
 
 def say(text: object, err: bool = False) -> None:
-    """Print; a character that the terminal does not have becomes "?"."""
+    """
+    Print; a character that the terminal does not have becomes "?".
+
+    Parameters
+    ----------
+    text : object
+        Anything that has a text.
+    err : bool, default False
+        Print on the standard error instead of the standard output.
+    """
     stream = sys.stderr if err else sys.stdout
     encoding = getattr(stream, "encoding", None) or "utf-8"
     text = safe(text).encode(encoding, "replace").decode(encoding)
@@ -31,7 +53,14 @@ def say(text: object, err: bool = False) -> None:
 
 
 def note(text: object) -> None:
-    """What is no part of the answer goes where errors go."""
+    """
+    Print a note on the standard error, since it is no part of the answer.
+
+    Parameters
+    ----------
+    text : object
+        Anything that has a text.
+    """
     say(f"note: {text}", err=True)
 
 
@@ -44,6 +73,15 @@ def waiting(words: str) -> Iterator[None]:
     Say on a terminal what is done, where it takes longer than a second.
 
     The line goes away at the end. Elsewhere, as in a pipe or a log, nothing is said.
+
+    Parameters
+    ----------
+    words : str
+        What is done, in one line.
+
+    Yields
+    ------
+    None
     """
     stream, shown = sys.stderr, Event()
     if not stream.isatty():

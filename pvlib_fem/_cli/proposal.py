@@ -38,6 +38,22 @@ ANEW = (*PER_FILE, *SAME, "renames", "convert", "units", "guess")
 
 
 def check_columns(data: pd.DataFrame, needed: Iterable[str] = COLUMNS) -> None:
+    """
+    Refuse a frame without the columns that a command needs.
+
+    Parameters
+    ----------
+    data : DataFrame
+        Frame with the package's names.
+    needed : iterable of str, optional
+        Columns without which nothing can be done; by default irradiance, both
+        temperatures and wind speed.
+
+    Raises
+    ------
+    ValueError
+        With the missing columns and the option that names them.
+    """
     if lacking := [name for name in needed if name not in data]:
         there = ", ".join(map(str, data.columns))
         raise refusal(
@@ -270,7 +286,19 @@ def fields_of(name: str, layouts: Sequence[Layout]) -> list[Any]:
 
 
 def quoted(words: Iterable[str]) -> str:
-    """Words as a shell takes them."""
+    """
+    Words as a shell takes them.
+
+    Parameters
+    ----------
+    words : iterable of str
+        Words of a command line.
+
+    Returns
+    -------
+    str
+        One line, quoted as the shell of this system needs it.
+    """
     join = subprocess.list2cmdline if sys.platform == "win32" else shlex.join
     return join(words)
 

@@ -45,7 +45,23 @@ from pvlib_fem.quality._unit_checks import options_of
 def needed_by(
     model: str, transposition: str | None = None, stand_ins: Sequence[str] = ()
 ) -> list[str]:
-    """Columns that a fit of a steady model needs."""
+    """
+    Columns that a fit of a steady model needs.
+
+    Parameters
+    ----------
+    model : str
+        Steady model.
+    transposition : str, optional
+        Model that makes ``poa_global`` of horizontal irradiance.
+    stand_ins : sequence of str
+        Columns that replace missing values of others, such as ``temp_air_2``.
+
+    Returns
+    -------
+    list of str
+        Names of columns, without those that are made or replaced.
+    """
     usual = COLUMNS if steady_model(model).takes_wind else ALWAYS
     # those that the fit looks for, or makes
     made = [*chosen(stand_ins), *(["poa_global"] if transposition else [])]
@@ -143,7 +159,23 @@ def named_files(files: Sequence[Path]) -> str:
 
 @contextmanager
 def or_propose(otherwise: Otherwise) -> Iterator[None]:
-    """What a fit refuses since the file says something else, with the proposal."""
+    """
+    Add a proposal to the error of a fit that finds another unit or swapped columns.
+
+    Parameters
+    ----------
+    otherwise : callable
+        Makes of an error its refusal, see :func:`read`.
+
+    Yields
+    ------
+    None
+
+    Raises
+    ------
+    Refused
+        With the command that may read the files, where one is found.
+    """
     try:
         yield
     except (ForeignUnit, SwappedTemperatures) as error:
@@ -164,7 +196,19 @@ def after_conversion(error: Exception, units: Iterable[str]) -> Exception | str:
 
 
 def is_data_set(files: Sequence[Path]) -> bool:
-    """Whether files follow each other, as a folder, a pattern or some of one kind."""
+    """
+    Whether files follow each other, as a folder, a pattern or some of one kind.
+
+    Parameters
+    ----------
+    files : sequence of Path
+        Files, or one folder or pattern.
+
+    Returns
+    -------
+    bool
+        True for a folder, a pattern, or several Parquet files with the same columns.
+    """
     if len(files) == 1:
         return files[0].is_dir() or glob.has_magic(str(files[0]))
     if any(file.suffix.lower() not in PARQUET for file in files):
@@ -199,7 +243,24 @@ def opened(files: Sequence[Path], options: dict[str, Any]) -> ParquetRecord:
 def in_their_days(
     data: pd.DataFrame, lon: float | None, zones: Sequence[str]
 ) -> pd.DataFrame:
-    """Instants with the days of their place, and a note where nobody told the zone."""
+    """
+    UTC times in the standard time of their longitude, with a note, if no zone is given.
+
+    Parameters
+    ----------
+    data : DataFrame
+        Record with a DatetimeIndex.
+    lon : float or None
+        Longitude, positive east. [°]
+    zones : sequence of str
+        Zones of the files that are given; empty if none is.
+
+    Returns
+    -------
+    DataFrame
+        All rows with local times; the frame itself without a longitude, with a zone,
+        or if its times are not in UTC.
+    """
     local = in_local_days(data, lon, zones)
     if local is not data:
         index = pd.DatetimeIndex(local.index)

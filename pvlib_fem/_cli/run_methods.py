@@ -66,7 +66,24 @@ def injected(
     site: Mapping[str, Any] | None = None,
     **options: Any,
 ) -> Recovery:
-    """What is found of effects that are put into a frame."""
+    """
+    What is found of effects that are put into a frame.
+
+    Parameters
+    ----------
+    data : DataFrame
+        Record with the package's names.
+    no_unit_check : bool, default False
+        Accept columns that look to be in another unit.
+    site : dict, optional
+        ``location``, ``surface_tilt``, ``surface_azimuth`` and ``mount``.
+    **options
+        Further ones of :func:`pvlib_fem.recover_effects`.
+
+    Returns
+    -------
+    Recovery
+    """
     return recover_effects(
         data,
         **(site or {}),
@@ -83,7 +100,26 @@ def fitted(
     no_unit_check: bool = False,
     **options: Any,
 ) -> FemFit:
-    """The fit of a frame."""
+    """
+    The fit of a frame.
+
+    Parameters
+    ----------
+    data : DataFrame
+        Record with the package's names.
+    effects : iterable of str, dict or Effect
+        Effects that the model has.
+    site : dict
+        ``location``, ``surface_tilt``, ``surface_azimuth`` and ``mount``.
+    no_unit_check : bool, default False
+        Accept columns that look to be in another unit.
+    **options
+        Further ones of :func:`pvlib_fem.fit_fem`, ``transposition`` and ``stand_ins``.
+
+    Returns
+    -------
+    FemFit
+    """
     options["check_units"] = not no_unit_check
     with waiting("fitting …"):
         return fit_frame(data, effects, **site, **options)
@@ -95,7 +131,24 @@ def fitted_files(
     no_unit_check: bool = False,
     **options: Any,
 ) -> FemFit:
-    """The fit of Parquet files that follow each other."""
+    """
+    The fit of Parquet files that follow each other.
+
+    Parameters
+    ----------
+    record : ParquetRecord
+        Opened files.
+    effects : iterable of str, dict or Effect
+        Effects that the model has.
+    no_unit_check : bool, default False
+        Accept columns that look to be in another unit.
+    **options
+        Further ones of :func:`pvlib_fem.fit_fem`.
+
+    Returns
+    -------
+    FemFit
+    """
     effects = [find(one) for one in effects]
     options["check_units"] = not no_unit_check
     with waiting("fitting, part by part …"):
