@@ -104,7 +104,31 @@ def smoothed(
     adjust: bool = False,
     initial: Any = None,
 ) -> np.ndarray:
-    """A column of checked inputs seen through a time constant. [s]"""
+    """
+    A column of checked inputs seen through a time constant. [s]
+
+    Parameters
+    ----------
+    inputs : Inputs
+        Columns and their times.
+    name : str
+        The column. [any unit]
+    tau : float, array or Series, shape (rows,)
+        Time constant. [s]
+    adjust, initial
+        See :func:`ewm`.
+
+    Returns
+    -------
+    array, shape (rows,)
+        NaN where the column is. [unit of the column]
+
+    Raises
+    ------
+    ValueError
+        If ``tau`` is not positive or has another length, or ``initial`` is invalid or
+        given together with ``adjust``.
+    """
     tau = time_constant(tau, len(inputs.index)) / inputs.unit
     if adjust and initial is not None:
         raise ValueError(
@@ -167,9 +191,22 @@ def relax(
     """
     Response to ``target`` on any steps, with gaps and NaN.
 
-    ``steps`` is the time since the row before (one number if even) and ``tau``
-    the time constant, both in the same unit; the first step counts from
-    ``state`` and is ignored without one.
+    Parameters
+    ----------
+    target : array, shape (rows,)
+        Value held over the step that ends at each row. [any unit]
+    steps : float or array, shape (rows,)
+        Time since the row before, one number if even.
+    tau : float or array, shape (rows,)
+        Time constant, in the unit of ``steps``.
+    state : float, optional
+        Response at the start of the first step. By default the response starts at the
+        first value, and the first step is ignored.
+
+    Returns
+    -------
+    array, shape (rows,)
+        NaN where ``target`` is, and only there. [unit of ``target``]
     """
     state = target[0] if state is None else state
     rate = -1.0 / tau
@@ -225,7 +262,25 @@ def respond(
     state: float = 0.0,
     band: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Solve ``y[i] - decay[i]*y[i-1] = source[i]``, ``y[-1] = state``, in place."""
+    """
+    Solve ``y[i] - decay[i]*y[i-1] = source[i]``, ``y[-1] = state``, in place.
+
+    Parameters
+    ----------
+    decay : array, shape (rows,)
+        Weight of the row before. [-]
+    source : array of float, shape (rows,)
+        Overwritten by the solution.
+    state : float, default 0
+        Solution at the row before the first.
+    band : array, shape (2, at least rows), optional
+        Memory to use again, in Fortran order.
+
+    Returns
+    -------
+    array, shape (rows,)
+        The array ``source``.
+    """
     if not len(source):
         return source
     source[0] += decay[0] * state
@@ -233,7 +288,21 @@ def respond(
 
 
 def banded(decay: np.ndarray, band: np.ndarray | None = None) -> np.ndarray:
-    """The system of :func:`respond` in BLAS' band form; the diagonal of 1 is unread."""
+    """
+    The system of :func:`respond` in BLAS' band form; the diagonal of 1 is unread.
+
+    Parameters
+    ----------
+    decay : array, shape (rows,)
+        Weight of the row before; the first value is not used. [-]
+    band : array, shape (2, at least rows), optional
+        Memory to use again, in Fortran order.
+
+    Returns
+    -------
+    array, shape (2, rows)
+        For :func:`solve`.
+    """
     rows = len(decay)
     band = np.empty((2, rows), order="F") if band is None else band[:, :rows]
     np.negative(decay[1:], out=band[1, :-1])
@@ -241,7 +310,21 @@ def banded(decay: np.ndarray, band: np.ndarray | None = None) -> np.ndarray:
 
 
 def solve(band: np.ndarray, source: np.ndarray) -> np.ndarray:
-    """Solve a banded system in place; one band serves several sources."""
+    """
+    Solve a banded system in place; one band serves several sources.
+
+    Parameters
+    ----------
+    band : array, shape (2, rows)
+        From :func:`banded`.
+    source : array of float, shape (rows,)
+        Right-hand side; overwritten by the solution.
+
+    Returns
+    -------
+    array, shape (rows,)
+        The solution.
+    """
     return dtbsv(1, band, source, lower=1, diag=1, overwrite_x=1)
 
 
@@ -269,7 +352,19 @@ def gap_limit(steps: Any, tau: float | np.ndarray, usual: float | None = None) -
     """
     Step beyond which the past is forgotten; None if no step is that long.
 
-    ``usual`` is the median step of the record, if ``steps`` are a part of it.
+    Parameters
+    ----------
+    steps : float or array, shape (rows,)
+        Time since the row before, one number if even.
+    tau : float or array, shape (rows,)
+        Time constant, in the unit of ``steps``.
+    usual : float, optional
+        Median step of the record, if ``steps`` are a part of it.
+
+    Returns
+    -------
+    float or array, shape (rows,), or None
+        The larger of five time constants and two median steps. [unit of ``steps``]
     """
     limit = FORGOTTEN * tau
     if np.ndim(steps) == 0 or not (steps.max() > np.min(limit)):
@@ -279,12 +374,38 @@ def gap_limit(steps: Any, tau: float | np.ndarray, usual: float | None = None) -
 
 
 def median_step(steps: Any) -> float:
-    """Median of the steps between rows; the first row has no step before it."""
+    """
+    Median of the steps between rows; the first row has no step before it.
+
+    Parameters
+    ----------
+    steps : array, shape (rows,)
+        Time since the row before.
+
+    Returns
+    -------
+    float
+        0 for a single row. [unit of ``steps``]
+    """
     return float(np.median(steps[1:])) if len(steps) > 1 else 0.0
 
 
 def usual_step(columns: list, steps: float | np.ndarray) -> float:
-    """Median step between the rows on which none of the columns is missing."""
+    """
+    Median step between the rows on which none of the columns is missing.
+
+    Parameters
+    ----------
+    columns : list of array, shape (rows,)
+        At least one.
+    steps : float or array, shape (rows,)
+        Time since the row before, one number if even.
+
+    Returns
+    -------
+    float
+        0 if fewer than two rows are complete. [unit of ``steps``]
+    """
     if np.ndim(steps) == 0 and np.isfinite(sum(column.sum() for column in columns)):
         return float(steps)
     there = np.all([np.isfinite(column) for column in columns], axis=0)
@@ -298,7 +419,22 @@ def usual_step(columns: list, steps: float | np.ndarray) -> float:
 
 
 def across(steps: Any, valid: np.ndarray) -> np.ndarray:
-    """Steps between the ``valid`` rows, across the rows left out."""
+    """
+    Steps between the ``valid`` rows, across the other rows.
+
+    Parameters
+    ----------
+    steps : float or array, shape (rows,)
+        Time since the row before, one number if even.
+    valid : array of int, shape (valid,)
+        Positions of the rows, ascending.
+
+    Returns
+    -------
+    array, shape (valid,)
+        Time since the valid row before; of the first, since the row before the record.
+        [unit of ``steps``]
+    """
     if np.ndim(steps) == 0 or not len(valid):
         return np.diff(valid, prepend=-1) * (steps if np.ndim(steps) == 0 else 0.0)
     first = np.concatenate(([0], valid[:-1] + 1))
@@ -306,5 +442,16 @@ def across(steps: Any, valid: np.ndarray) -> np.ndarray:
 
 
 def part(values: Any, rows: Any) -> float | np.ndarray:
-    """Some rows of an array; a number is returned as it is."""
+    """
+    Some rows of an array; a number is returned as it is.
+
+    Parameters
+    ----------
+    values : float or array, shape (rows,)
+    rows : slice, array of int, or array of bool, shape (rows,)
+
+    Returns
+    -------
+    float or array
+    """
     return values if np.ndim(values) == 0 else values[rows]

@@ -77,6 +77,19 @@ def wm1_coefficients(first: float, second: float) -> dict:
 
 
 def reciprocal(value: float | np.ndarray) -> float | np.ndarray:
+    """
+    Loss of a resistance, or resistance of a loss.
+
+    Parameters
+    ----------
+    value : float or array
+        Resistance r [K m²/W] or loss [W/(m² K)].
+
+    Returns
+    -------
+    float or array
+        Of the shape of ``value``.
+    """
     return 1.0 / value
 
 
@@ -382,7 +395,25 @@ def at_two_winds(start: Any, own: dict, goal: Shape) -> tuple[float, float]:
 def at_winds(
     start: Any, own: dict, goal: Shape, winds: np.ndarray
 ) -> np.ndarray | tuple[float, float]:
-    """Least squares of the over-temperature over wind speeds."""
+    """
+    The line of the target by least squares of the over-temperature at 1000 W/m².
+
+    Parameters
+    ----------
+    start : Shape
+        Model to translate, or any object with its method ``resistance``.
+    own : dict
+        Coefficients of ``start`` by name.
+    goal : Shape
+        Target.
+    winds : array, shape (winds,)
+        Wind speeds that count alike. [m/s]
+
+    Returns
+    -------
+    tuple or array of float, shape (2,)
+        ``first`` and ``second`` of :class:`Shape`, per m/s the latter.
+    """
     wanted = start.resistance(winds, own)
     seen = np.minimum(winds, goal.clip)
     begin = np.array(at_two_winds(start, own, goal))

@@ -227,7 +227,18 @@ def fit_power(
 
 
 def days_of(index: Any) -> pd.Index:
-    """Time since 1970-01-01 by the record's own clock. [days]"""
+    """
+    Time since 1970-01-01 by the record's own clock. [days]
+
+    Parameters
+    ----------
+    index : DatetimeIndex
+        With or without a zone.
+
+    Returns
+    -------
+    Index of float, shape (rows,)
+    """
     return (index.tz_localize(None) - pd.Timestamp(0)) / pd.Timedelta("1D")
 
 
@@ -241,7 +252,29 @@ def seasonal(day: np.ndarray) -> np.ndarray:
 def fitted(
     poa: np.ndarray, temp: np.ndarray, power: np.ndarray, day: np.ndarray | pd.Index
 ) -> PowerRelation:
-    """The relation of arrays."""
+    """
+    The relation of a plant, as in :func:`fit_power`, by arrays.
+
+    Parameters
+    ----------
+    poa : array, shape (rows,)
+        Irradiance in the plane of the array. [W/m²]
+    temp : array, shape (rows,)
+        Module temperature. [°C]
+    power : array, shape (rows,)
+        DC or AC power, in any unit.
+    day : array or Index, shape (rows,)
+        Time since 1970-01-01. [days]
+
+    Returns
+    -------
+    PowerRelation
+
+    Raises
+    ------
+    ValueError
+        If fewer than 100 rows above 100 W/m² have power.
+    """
     day = np.asarray(day, dtype=float)
     rows = (poa > BRIGHT) & (power > 0.0) & np.isfinite(temp + power)
     if (there := int(rows.sum())) < FEWEST:

@@ -224,7 +224,19 @@ def energy_error(
 
 
 def kilowatt_hours(inputs: Inputs) -> np.ndarray:
-    """Irradiation of each row. [kWh/m²]"""
+    """
+    Irradiation of each row. [kWh/m²]
+
+    Parameters
+    ----------
+    inputs : Inputs
+        With ``poa_global``. [W/m²]
+
+    Returns
+    -------
+    array, shape (rows,)
+        Each row counts for the step before it, at most for two usual steps.
+    """
     seconds = inputs.step
     if np.ndim(inputs.steps):  # the first row counts for a usual step
         seconds = np.minimum(inputs.steps * inputs.unit, 2.0 * inputs.step)
