@@ -404,7 +404,7 @@ def usual_step(columns: list, steps: float | np.ndarray) -> float:
     Returns
     -------
     float
-        0 if fewer than two rows are complete. [unit of ``steps``]
+        0 if at most one of several rows is complete. [unit of ``steps``]
     """
     if np.ndim(steps) == 0 and np.isfinite(sum(column.sum() for column in columns)):
         return float(steps)

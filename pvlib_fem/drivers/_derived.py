@@ -141,7 +141,19 @@ class Driver(str):
 
 
 def constants(name: str) -> dict:
-    """Constants of a driver and of the drivers that it needs, with their values."""
+    """
+    Constants of a driver and of the drivers that it needs, with their values.
+
+    Parameters
+    ----------
+    name : str or Driver
+
+    Returns
+    -------
+    dict
+        Value by name of the constant; empty for a column that is not derived. A
+        :class:`Driver` has its own values.
+    """
     found = dict(getattr(name, "settings", {}))
     if (name := getattr(name, "name", name)) not in DERIVED:
         return {}
@@ -152,7 +164,20 @@ def constants(name: str) -> dict:
 
 
 def own_constants(function: Callable, besides: Any = ()) -> dict:
-    """Keyword-only arguments of a function, with their defaults."""
+    """
+    Keyword-only arguments of a function, with their defaults.
+
+    Parameters
+    ----------
+    function : callable
+    besides : collection of str, optional
+        Arguments that are no constants.
+
+    Returns
+    -------
+    dict
+        Default by name of the argument.
+    """
     taken = after_the_star(function)
     return {name: value for name, value in taken.items() if name not in besides}
 
@@ -164,7 +189,20 @@ def after_the_star(function: Callable) -> dict:
 
 
 def with_constants(name: str, settings: dict) -> str:
-    """A driver with its own constants among some settings."""
+    """
+    A driver with its own constants among some settings.
+
+    Parameters
+    ----------
+    name : str or Driver
+    settings : dict
+        Values by name; those of other drivers are ignored.
+
+    Returns
+    -------
+    str or Driver
+        The name as it was given if no setting is of this driver.
+    """
     own = {key: value for key, value in settings.items() if key in constants(name)}
     if not own:
         return name
@@ -199,7 +237,18 @@ THROUGHOUT = ("days_since_rain", "frost_past_day", "power_off_dc", "power_off_ac
 
 
 def remembered(names: Sequence) -> list:
-    """Drivers among these, or needed by them, that depend on other rows."""
+    """
+    Drivers among these, or needed by them, that depend on other rows.
+
+    Parameters
+    ----------
+    names : sequence of str or Driver
+
+    Returns
+    -------
+    list of str or Driver
+        Each once.
+    """
     found = []
     for name in filter(is_derived, names):
         known = getattr(name, "name", name) in REMEMBERED
@@ -209,7 +258,19 @@ def remembered(names: Sequence) -> list:
 
 
 def behind(names: Sequence) -> list:
-    """Underived columns that drivers need, each once."""
+    """
+    Underived columns that drivers need, each once.
+
+    Parameters
+    ----------
+    names : sequence of str or Driver
+        Columns that are not derived are returned as they are.
+
+    Returns
+    -------
+    list of str
+        Measured and modelled columns, and the user's own.
+    """
     columns = []
     for name in names:
         found = behind(made_of(name)[0]) if is_derived(name) else [name]
@@ -218,28 +279,90 @@ def behind(names: Sequence) -> list:
 
 
 def short_memory(name: str) -> float | None:
-    """Time constant of a driver with a memory of hours; None for others. [s]"""
+    """
+    Time constant of a driver with a memory of hours; None for others. [s]
+
+    Parameters
+    ----------
+    name : str or Driver
+
+    Returns
+    -------
+    float or None
+        In s.
+    """
     constant = SHORT.get(getattr(name, "name", name))
     return constants(name)[constant] if constant else None
 
 
 def lost_without(name: str) -> tuple:
-    """Columns without which a row has no value of a derived driver."""
+    """
+    Columns without which a row has no value of a derived driver.
+
+    Parameters
+    ----------
+    name : str or Driver
+
+    Returns
+    -------
+    tuple of str
+        Empty for a driver that is known in all rows.
+    """
     return () if getattr(name, "name", name) in THROUGHOUT else tuple(behind([name]))
 
 
 def is_modelled(names: Sequence[str]) -> bool:
-    """Whether any driver depends on a result of the model without effects."""
+    """
+    Whether any driver depends on a result of the model without effects.
+
+    Parameters
+    ----------
+    names : sequence of str or Driver
+
+    Returns
+    -------
+    bool
+    """
     return not {*MODELLED}.isdisjoint(behind(names))
 
 
 def needed_for(names: Sequence) -> list:
-    """Measured columns that drivers need in addition to the usual three."""
+    """
+    Measured columns that drivers need in addition to the usual three.
+
+    Parameters
+    ----------
+    names : sequence of str or Driver
+
+    Returns
+    -------
+    list of str
+        Columns other than irradiance, air temperature and wind speed, each once.
+    """
     return [name for name in behind(names) if name not in (*USUAL, *MODELLED)]
 
 
 def completed(inputs: Inputs, names: Sequence) -> Inputs:
-    """The inputs, completed by derived drivers and the columns that they need."""
+    """
+    The inputs, completed by derived drivers and the columns that they need.
+
+    Parameters
+    ----------
+    inputs : Inputs
+        With the columns of :func:`behind`.
+    names : sequence of str or Driver
+        Columns that are not derived, or that are there, are not computed.
+
+    Returns
+    -------
+    Inputs
+        All columns have shape (rows,).
+
+    Raises
+    ------
+    KeyError
+        If a column is missing.
+    """
     for name in names:
         if is_derived(name) and name not in inputs.columns:
             needs, compute, own = made_of(name)

@@ -12,19 +12,63 @@ HOUR = 3600.0  # s
 
 
 def smoothed(column: np.ndarray, inputs: Inputs, memory: float) -> np.ndarray:
-    """First-order response to a column, with a time constant in s."""
+    """
+    First-order response to a column, with a time constant in s.
+
+    Parameters
+    ----------
+    column : array, shape (rows,)
+        In any unit.
+    inputs : Inputs
+        For the steps.
+    memory : float
+        Time constant. [s]
+
+    Returns
+    -------
+    array, shape (rows,)
+        NaN where the column is. [unit of the column]
+    """
     column = np.asarray(column, dtype=float)
     return relax(column, inputs.steps, memory / inputs.unit)
 
 
 def backwards(column: np.ndarray, steps: np.ndarray, memory: float) -> np.ndarray:
-    """First-order response to a column backwards in time."""
+    """
+    First-order response to a column backwards in time.
+
+    Parameters
+    ----------
+    column : array, shape (rows,)
+        In any unit.
+    steps : array, shape (rows,)
+        Time since the row before. [s]
+    memory : float
+        Time constant. [s]
+
+    Returns
+    -------
+    array, shape (rows,)
+        Weighted mean of each row and the rows after it. [unit of the column]
+    """
     turned = np.append(steps[:1], steps[:0:-1])
     return relax(np.ascontiguousarray(column[::-1]), turned, memory)[::-1]
 
 
 def past(memory: float) -> Any:
-    """The driver that is the weighted past of a column."""
+    """
+    The driver that is the weighted past of a column.
+
+    Parameters
+    ----------
+    memory : float
+        Time constant. [s]
+
+    Returns
+    -------
+    callable
+        Function of a column, shape (rows,), and its inputs; see :func:`smoothed`.
+    """
 
     def mean(column: np.ndarray, inputs: Inputs) -> np.ndarray:
         return smoothed(column, inputs, memory)
@@ -36,29 +80,102 @@ def past(memory: float) -> Any:
 
 
 def stored(mean: np.ndarray, column: np.ndarray, inputs: Inputs) -> np.ndarray:
-    """Mean of the past, weighted by age, minus the present. [unit of the column]"""
+    """
+    Mean of the past, weighted by age, minus the present. [unit of the column]
+
+    Parameters
+    ----------
+    mean : array, shape (rows,)
+        From :func:`past`. [unit of the column]
+    column : array, shape (rows,)
+        In any unit.
+    inputs : Inputs
+        Not used.
+
+    Returns
+    -------
+    array, shape (rows,)
+    """
     return mean - column
 
 
 def elapsed(inputs: Inputs) -> np.ndarray:
-    """Time since the record began. [s]"""
+    """
+    Time since the record began. [s]
+
+    Parameters
+    ----------
+    inputs : Inputs
+
+    Returns
+    -------
+    array, shape (rows,)
+    """
     return inputs.seconds
 
 
 def day(inputs: Inputs) -> pd.Index:
-    """Time since 1970-01-01 by the record's own clock. [days]"""
+    """
+    Time since 1970-01-01 by the record's own clock. [days]
+
+    Parameters
+    ----------
+    inputs : Inputs
+
+    Returns
+    -------
+    Index of float, shape (rows,)
+
+    Raises
+    ------
+    ValueError
+        If the inputs have no dates.
+    """
     times = dated(inputs, "what changes with time")
     return (times - pd.Timestamp(0)) / pd.Timedelta("1D")
 
 
 def day_angle(inputs: Inputs) -> np.ndarray:
-    """Angle of the year, 0 on the first of January. [rad]"""
+    """
+    Angle of the year, 0 on the first of January. [rad]
+
+    Parameters
+    ----------
+    inputs : Inputs
+
+    Returns
+    -------
+    array, shape (rows,)
+
+    Raises
+    ------
+    ValueError
+        If the inputs have no dates.
+    """
     days = dated(inputs, "the season").day_of_year.to_numpy() - 1.0
     return 2.0 * np.pi * days / 365.25
 
 
 def dated(inputs: Inputs, what: str) -> pd.DatetimeIndex:
-    """The times of a record on its own clock."""
+    """
+    The times of a record on its own clock.
+
+    Parameters
+    ----------
+    inputs : Inputs
+    what : str
+        Subject of the error message.
+
+    Returns
+    -------
+    DatetimeIndex, shape (rows,)
+        Without a zone.
+
+    Raises
+    ------
+    ValueError
+        If the inputs have no DatetimeIndex.
+    """
     if not isinstance(inputs.index, pd.DatetimeIndex):
         raise ValueError(
             f"{what} needs the date, and the columns have no DatetimeIndex; give "

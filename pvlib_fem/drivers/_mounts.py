@@ -53,7 +53,30 @@ def geometry(
     surface_azimuth: float | None = None,
     mount: Any = None,
 ) -> dict:
-    """Columns of solar position and module plane, as far as they are known."""
+    """
+    Columns of solar position and module plane, as far as they are known.
+
+    Parameters
+    ----------
+    index : DatetimeIndex
+        Times; without a zone as in :func:`sun`.
+    location : pvlib.location.Location, optional
+    surface_tilt, surface_azimuth : float, optional
+        Angles of a fixed plane. [°]
+    mount : pvlib.pvsystem.AbstractMount or ByColumns, optional
+        A plane that moves; a tracker needs the location.
+
+    Returns
+    -------
+    dict of Series
+        ``solar_zenith``, ``solar_azimuth``, ``surface_tilt`` and ``surface_azimuth`` on
+        ``index``, without those that are not known. [°]
+
+    Raises
+    ------
+    ValueError
+        If the mount is ``"columns"``: then each record has to have the angles.
+    """
     columns = {}
     if location is not None:
         columns |= dict(sun(index, location))
@@ -102,7 +125,21 @@ def orientation(
 
 
 def by_night(angles: Any, solar_zenith: np.ndarray | pd.Series) -> Any:
-    """Angles, of a level plane where they are missing by night. [°]"""
+    """
+    Angles, of a level plane where they are missing by night. [°]
+
+    Parameters
+    ----------
+    angles : dict of array, shape (rows,)
+        Tilt and azimuth by name. [°]
+    solar_zenith : array or Series, shape (rows,)
+        [°]
+
+    Returns
+    -------
+    dict of array, shape (rows,)
+        NaN where an angle is missing by day.
+    """
     night, found = np.asarray(solar_zenith) > 90.0, {}
     for name, values in angles.items():
         values = np.asarray(values, dtype=float)
@@ -112,9 +149,25 @@ def by_night(angles: Any, solar_zenith: np.ndarray | pd.Series) -> Any:
 
 def angles_at(index: pd.DatetimeIndex, place: dict, late: float = 0.0) -> Any:
     """
-    Tilt and azimuth of a place at some times: numbers, arrays, or None if unknown.
+    Tilt and azimuth of a place at some times. [°]
 
-    ``late`` is by how much the times are late; columns of a record are as late. [s]
+    Parameters
+    ----------
+    index : DatetimeIndex
+    place : dict
+        From :func:`checked_place`.
+    late : float, default 0
+        By how much the times are late; columns of a record are as late. [s]
+
+    Returns
+    -------
+    tuple of float or array, shape (rows,), or None
+        Numbers for a fixed plane, None without a location or an angle.
+
+    Raises
+    ------
+    ValueError
+        If the mount is ``"columns"``: then each record has to have the angles.
     """
     if place["location"] is None:
         return None
@@ -128,7 +181,18 @@ def angles_at(index: pd.DatetimeIndex, place: dict, late: float = 0.0) -> Any:
 
 
 def is_known(place: dict) -> bool:
-    """Whether solar position and plane are known."""
+    """
+    Whether solar position and plane are known.
+
+    Parameters
+    ----------
+    place : dict
+        From :func:`checked_place`.
+
+    Returns
+    -------
+    bool
+    """
     moving = place["mount"]
     columns = moving.columns if isinstance(moving, ByColumns) else moving and ANGLES
     return place["location"] is not None and all(
@@ -143,9 +207,29 @@ def checked_place(
     mount: Any = None,
 ) -> dict:
     """
-    The arguments of a place as a dict; ValueError if one is invalid.
+    The arguments of a place as a dict.
 
-    Of angles that are Series ``mount`` is a :class:`ByColumns`.
+    Parameters
+    ----------
+    location : pvlib.location.Location or None
+    surface_tilt : float or Series, optional
+        From 0 to 180°; a Series has the times of the record. [°]
+    surface_azimuth : float or Series, optional
+        Clockwise from north: a number from -360 to 360°, a Series from 0 to 360°. [°]
+    mount : pvlib.pvsystem.FixedMount, SingleAxisTrackerMount or ByColumns, optional
+        Instead of both angles.
+
+    Returns
+    -------
+    dict
+        ``location``, ``surface_tilt``, ``surface_azimuth`` and ``mount``, None for what
+        is not known. For angles that are Series the mount is a :class:`ByColumns`, and
+        for a fixed mount the angles are numbers.
+
+    Raises
+    ------
+    ValueError
+        If an argument is invalid, or both a mount and an angle are given.
     """
     if location is not None and not isinstance(location, Location):
         example = ", ".join(map(str, np.ravel(location))) if np.ndim(location) else "…"
@@ -176,7 +260,28 @@ def checked_place(
 
 
 def plane_of_rows(data: Any, place: dict) -> dict:
-    """A place with the angles of a record's rows, if it has these columns."""
+    """
+    A place with the angles of a record's rows, if it has these columns.
+
+    Parameters
+    ----------
+    data : DataFrame
+        A record, perhaps with ``surface_tilt`` and ``surface_azimuth``, or with
+        ``tracker_theta``. [°]
+    place : dict
+        From :func:`checked_place`.
+
+    Returns
+    -------
+    dict
+        The place that was given if no such column is there, otherwise a place whose
+        mount is a :class:`ByColumns`.
+
+    Raises
+    ------
+    ValueError
+        If an angle is out of its range.
+    """
     own = {printable(label): label for label in data if printable(label) in ANGLES}
     if not own:
         turned = by_rotation(data, place["mount"])
@@ -203,7 +308,25 @@ def check_number(name: str, value: float) -> None:
 
 
 def checked_column(name: Any, column: Any) -> Any:
-    """The angles of a column as floats; ValueError if one is out of its range."""
+    """
+    The angles of a column as floats.
+
+    Parameters
+    ----------
+    name : str
+        ``surface_tilt`` or ``surface_azimuth``.
+    column : Series, shape (rows,)
+        NaN where the angle is not known. [°]
+
+    Returns
+    -------
+    Series of float, shape (rows,)
+
+    Raises
+    ------
+    ValueError
+        If a tilt is not from 0 to 180°, or an azimuth not from 0 to 360°.
+    """
     values, (low, high) = column.astype(float), RANGES[name]
     if (off := (values < low) | (values > high)).any():
         at = int(np.argmax(off.to_numpy()))
@@ -261,6 +384,16 @@ def axis_of(place: dict) -> Any:
     Of columns it is the direction to which all normals are perpendicular. Of its ends
     it is the one from which a plane that faces one side, as one whose tilt is changed
     with the seasons, is steeper at positive angles, otherwise the southern one.
+
+    Parameters
+    ----------
+    place : dict
+        From :func:`checked_place`.
+
+    Returns
+    -------
+    float or None
+        Clockwise from north, from 0 to 360° if it is from columns. [°]
     """
     mount = getattr(place["mount"], "described", None) or place["mount"]
     if isinstance(mount, SingleAxisTrackerMount):
@@ -283,7 +416,20 @@ def axis_of(place: dict) -> Any:
 
 
 def mount_content(mount: Any) -> Any:
-    """A mount for a file."""
+    """
+    A mount for a file.
+
+    Parameters
+    ----------
+    mount : SingleAxisTrackerMount, ByColumns, str or None
+        A string is the content itself.
+
+    Returns
+    -------
+    dict, str or None
+        The numbers of a tracker by name; ``"columns"`` for angles by rows, which are
+        not stored.
+    """
     if mount is None or mount == BY_COLUMNS:
         return mount
     if isinstance(mount, ByColumns):
@@ -292,14 +438,38 @@ def mount_content(mount: Any) -> Any:
 
 
 def without_rows(place: dict) -> dict:
-    """A place without the angles of a record's rows, which each record has."""
+    """
+    A place without the angles of a record's rows, which each record has.
+
+    Parameters
+    ----------
+    place : dict
+        From :func:`checked_place`.
+
+    Returns
+    -------
+    dict
+        Its mount is the tracker whose rotations were recorded, or ``"columns"``; a
+        place without a :class:`ByColumns` is returned as it is.
+    """
     if not isinstance(place["mount"], ByColumns):
         return place
     return {**place, "mount": place["mount"].described or BY_COLUMNS}
 
 
 def mount_from(content: Any) -> Any:
-    """The mount of a part of a file."""
+    """
+    The mount of a part of a file.
+
+    Parameters
+    ----------
+    content : dict, str or None
+        From :func:`mount_content`.
+
+    Returns
+    -------
+    SingleAxisTrackerMount, str or None
+    """
     if content is None or content == BY_COLUMNS:
         return content
     angle = content["max_angle"]

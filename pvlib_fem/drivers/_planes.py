@@ -73,7 +73,19 @@ def between(columns: Any, before: Any, after: Any, share: Any) -> Any:
 
 
 def normals(tilt: Any, azimuth: Any) -> Any:
-    """Normals of planes by their angles [°]: components to north, to east and up."""
+    """
+    Normals of planes by their angles.
+
+    Parameters
+    ----------
+    tilt, azimuth : float or array, shape (planes,)
+        Azimuth clockwise from north. [°]
+
+    Returns
+    -------
+    array, shape (3, planes)
+        Components to north, to east and up, of length 1; shape (3,) for numbers.
+    """
     tilt, turn = np.radians(tilt), np.radians(azimuth)
     return np.array(
         [np.sin(tilt) * np.cos(turn), np.sin(tilt) * np.sin(turn), np.cos(tilt)]
@@ -81,13 +93,43 @@ def normals(tilt: Any, azimuth: Any) -> Any:
 
 
 def angles_of(north: Any, east: Any, up: Any) -> Any:
-    """Tilt and azimuth of a normal of any length. [°]"""
+    """
+    Tilt and azimuth of a normal of any length.
+
+    Parameters
+    ----------
+    north, east, up : float or array, shape (planes,)
+        Components of the normal.
+
+    Returns
+    -------
+    tuple of float or array, shape (planes,)
+        Tilt from 0 to 180°, azimuth clockwise from north from 0 to 360°. [°]
+    """
     tilt = np.degrees(np.arctan2(np.hypot(north, east), up))
     return tilt, np.degrees(np.arctan2(east, north)) % 360.0
 
 
 def by_rotation(data: Any, mount: Any) -> Any:
-    """A described tracker at the rotations of a record, None without that column."""
+    """
+    A described tracker at the rotations of a record, None without that column.
+
+    Parameters
+    ----------
+    data : DataFrame
+        A record, perhaps with ``tracker_theta``. [°]
+    mount : SingleAxisTrackerMount, other mount or None
+        Only of a tracker with one axis the rotations give the plane.
+
+    Returns
+    -------
+    ByColumns or None
+
+    Raises
+    ------
+    ValueError
+        If a rotation is not from -180 to 180°.
+    """
     own = [label for label in data if printable(label) == ROTATION]
     if not own or not isinstance(mount, SingleAxisTrackerMount):
         return None
@@ -102,12 +144,38 @@ def by_rotation(data: Any, mount: Any) -> Any:
 
 
 def rotated(theta: Any, mount: Any) -> Any:
-    """Tilt and azimuth of a tracker at some rotations. [°]"""
+    """
+    Tilt and azimuth of a tracker at some rotations. [°]
+
+    Parameters
+    ----------
+    theta : array, shape (rows,)
+        Rotations about the axis, as :func:`pvlib.tracking.calc_surface_orientation` has
+        their sign. [°]
+    mount : SingleAxisTrackerMount
+
+    Returns
+    -------
+    dict of array, shape (rows,)
+        ``surface_tilt`` and ``surface_azimuth``.
+    """
     with np.errstate(invalid="ignore"):
         found = calc_surface_orientation(theta, mount.axis_tilt, mount.axis_azimuth)
     return {name: np.asarray(found[name], dtype=float) for name in ANGLES}
 
 
 def code(value: Any) -> Any:
-    """The remedy where a number may stand for a missing value."""
+    """
+    The remedy where a number may stand for a missing value.
+
+    Parameters
+    ----------
+    value : float
+        The number.
+
+    Returns
+    -------
+    str
+        End of an error message.
+    """
     return f"a code for missing values has to be missing (--missing {value:g})"

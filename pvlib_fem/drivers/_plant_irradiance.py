@@ -23,7 +23,21 @@ PAUSE = 3.0 * 86400.0  # s without light or values that end a stretch
 
 
 def frost_past_day(temp_air: np.ndarray, inputs: Inputs) -> np.ndarray:
-    """Whether snow may lie on the module: air below 2.4 °C within the past day. [-]"""
+    """
+    Whether snow may lie on the module: air below 2.4 °C within the past day. [-]
+
+    Parameters
+    ----------
+    temp_air : array, shape (rows,)
+        [°C]
+    inputs : Inputs
+        For the times.
+
+    Returns
+    -------
+    array of float, shape (rows,)
+        1 or 0; NaN where ``temp_air`` is.
+    """
     times = pd.to_timedelta(inputs.seconds, unit="s")
     coldest = pd.Series(temp_air, times).rolling(BEFORE).min().to_numpy()
     return np.where(np.isnan(temp_air), np.nan, coldest < FROST)
@@ -79,7 +93,25 @@ def light_shown(
     power: np.ndarray,
     day: np.ndarray | pd.Index,
 ) -> np.ndarray:
-    """Irradiance by power; at the power limit at least that of the sensor. [W/m²]"""
+    """
+    Irradiance by power; at the power limit at least that of the sensor. [W/m²]
+
+    Parameters
+    ----------
+    relation : PowerRelation
+    poa_global : array, shape (rows,)
+        [W/m²]
+    temp_module : array, shape (rows,)
+        [°C]
+    power : array, shape (rows,)
+        In the unit of the relation.
+    day : array or Index, shape (rows,)
+        Time since 1970-01-01. [days]
+
+    Returns
+    -------
+    array, shape (rows,)
+    """
     shown = relation.light(power, temp_module, day)
     at_limit = power >= (1.0 - NONE) * relation.limit
     return np.where(at_limit, np.fmax(shown, poa_global), shown)
@@ -111,7 +143,22 @@ def lights(
 
 
 def agree(seen: np.ndarray, shown: np.ndarray, spread: float) -> np.ndarray:
-    """Whether irradiances by the sensor and by power agree."""
+    """
+    Whether irradiances by the sensor and by power agree.
+
+    Parameters
+    ----------
+    seen, shown : array, shape (rows,)
+        Irradiance by the sensor and by power. [W/m²]
+    spread : float
+        Relative spread of :class:`~pvlib_fem.power.PowerRelation`. [-]
+
+    Returns
+    -------
+    array of bool, shape (rows,)
+        True up to a difference of 50 W/m², of 15 % or of four spreads; False where one
+        is NaN.
+    """
     most = max(MISSING, SPREADS * spread) * np.fmax(seen, shown)
     return np.abs(shown - seen) <= np.maximum(most, LEAST)
 
@@ -121,6 +168,16 @@ def lost(seen: np.ndarray, shown: np.ndarray) -> np.ndarray:
     Irradiance that modules lose, if power shows less than the sensor. [W/m²]
 
     With a share :math:`p` of the power, the share of irradiance is :math:`\sqrt p`.
+
+    Parameters
+    ----------
+    seen, shown : array, shape (rows,)
+        Irradiance by the sensor and by power. [W/m²]
+
+    Returns
+    -------
+    array, shape (rows,)
+        At least 0.
     """
     remaining = np.sqrt(np.clip(shown / np.maximum(seen, LEAST), 0.0, 1.0))
     return np.where(shown >= seen, 0.0, seen * (1.0 - remaining))
@@ -179,7 +236,19 @@ def light_unused(
 
 
 def of_column(power: Any) -> Any:
-    """The drivers that are computed from a column of power, by name."""
+    """
+    The drivers that are computed from a column of power, by name.
+
+    Parameters
+    ----------
+    power : str
+        ``power_dc`` or ``power_ac``.
+
+    Returns
+    -------
+    dict
+        Columns and function of each driver, as in :data:`~pvlib_fem.drivers.DERIVED`.
+    """
     kind = power.removeprefix("power")  # _dc or _ac
     usual = ("poa_global", "temp_base")
     off = f"power_off{kind}"

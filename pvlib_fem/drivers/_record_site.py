@@ -20,6 +20,22 @@ def site_of(
     Location and plane as arguments of the loop; None for unknown numbers.
 
     Of a tracker what is None is as pvlib has it; without any number there is none.
+
+    Parameters
+    ----------
+    index : DatetimeIndex
+        Times of the record; its zone becomes that of the location.
+    latitude, longitude : float or None
+        North and east are positive; there is no location without a latitude. [°]
+    surface_tilt, surface_azimuth : float, optional
+        Angles of a fixed plane. [°]
+    **tracker : float or None
+        Numbers of :class:`pvlib.pvsystem.SingleAxisTrackerMount` by name.
+
+    Returns
+    -------
+    dict
+        ``location``, ``surface_tilt``, ``surface_azimuth`` and ``mount``.
     """
     known = {name: value for name, value in tracker.items() if value is not None}
     return {
@@ -41,7 +57,22 @@ def location(index: pd.DatetimeIndex, latitude: Any, longitude: Any) -> Any:
 
 
 def in_local_days(data: Any, longitude: Any, known_zone: Any) -> pd.DataFrame:
-    """UTC times in the standard time of the longitude, if the zone is not known."""
+    """
+    UTC times in the standard time of the longitude, if the zone is not known.
+
+    Parameters
+    ----------
+    data : DataFrame
+    longitude : float or None
+        East is positive. [°]
+    known_zone : str or None
+        The zone of the times, where the user gives it.
+
+    Returns
+    -------
+    DataFrame
+        The same times in another zone, or the data as they are.
+    """
     if longitude is None or known_zone or str(data.index.tz) != "UTC":
         return data
     return data.tz_convert(standard_zone(longitude))

@@ -24,7 +24,23 @@ def black_body(temp_air: np.ndarray) -> np.ndarray:
 def sky_deficit(
     longwave_down: np.ndarray, temp_air: np.ndarray, inputs: Inputs
 ) -> np.ndarray:
-    """Longwave of a black body at air temperature minus that of the sky. [W/m²]"""
+    """
+    Longwave of a black body at air temperature minus that of the sky. [W/m²]
+
+    Parameters
+    ----------
+    longwave_down : array, shape (rows,)
+        Longwave irradiance from the sky. [W/m²]
+    temp_air : array, shape (rows,)
+        [°C]
+    inputs : Inputs
+        Not used.
+
+    Returns
+    -------
+    array, shape (rows,)
+        Positive where the sky is colder than the air.
+    """
     return black_body(temp_air) - longwave_down
 
 
@@ -50,6 +66,19 @@ def sky_deficit_moist(
     :func:`sky_deficit` of a clear sky, from humidity. [W/m²]
 
     The emissivity is that of :func:`moist_emissivity`.
+
+    Parameters
+    ----------
+    relative_humidity : array, shape (rows,)
+        [%]
+    temp_air : array, shape (rows,)
+        [°C]
+    inputs : Inputs
+        Not used.
+
+    Returns
+    -------
+    array, shape (rows,)
     """
     emissivity = moist_emissivity(relative_humidity, temp_air)
     return (1.0 - emissivity) * black_body(temp_air)
@@ -65,7 +94,20 @@ def sky_deficit_humid(
     """
     :func:`sky_deficit` from humidity and the clouds of the day. [W/m²]
 
-    ``cloud_base`` is the share of the clear-sky deficit that low clouds close. [-]
+    Parameters
+    ----------
+    sky_deficit_moist : array, shape (rows,)
+        Deficit of a clear sky. [W/m²]
+    cloud_share : array, shape (rows,)
+        Share of the sky under cloud. [-]
+    inputs : Inputs
+        Not used.
+    cloud_base : float, default 0.84
+        Share of the clear-sky deficit that low clouds close. [-]
+
+    Returns
+    -------
+    array, shape (rows,)
     """
     return (1.0 - cloud_base * cloud_share) * sky_deficit_moist
 
@@ -76,7 +118,20 @@ def sky_deficit_clouds(
     """
     :func:`sky_deficit` from air temperature and the clouds of the day. [W/m²]
 
-    ``cloud_base`` is that of :func:`sky_deficit_humid`.
+    Parameters
+    ----------
+    sky_deficit_air : array, shape (rows,)
+        Deficit of a clear sky. [W/m²]
+    cloud_share : array, shape (rows,)
+        Share of the sky under cloud. [-]
+    inputs : Inputs
+        Not used.
+    cloud_base : float, default 0.84
+        Share of the clear-sky deficit that low clouds close. [-]
+
+    Returns
+    -------
+    array, shape (rows,)
     """
     return (1.0 - cloud_base * cloud_share) * sky_deficit_air
 
@@ -84,6 +139,17 @@ def sky_deficit_clouds(
 def sky_deficit_air(temp_air: np.ndarray, inputs: Inputs) -> np.ndarray:
     """
     :func:`sky_deficit` of a clear sky, from air temperature alone [1]_. [W/m²]
+
+    Parameters
+    ----------
+    temp_air : array, shape (rows,)
+        [°C]
+    inputs : Inputs
+        Not used.
+
+    Returns
+    -------
+    array, shape (rows,)
 
     References
     ----------
@@ -105,7 +171,23 @@ def cloud_share(
     Share of the sky under cloud, carried from each day through the night. [-]
 
     In daytime it follows from irradiance relative to a clear sky [1]_; an overcast
-    sky transmits a quarter [2]_. ``cloud_memory`` is its time constant. [h]
+    sky transmits a quarter [2]_.
+
+    Parameters
+    ----------
+    clearness : array, shape (rows,)
+        From :func:`pvlib_fem.drivers._solar.clearness`. [-]
+    solar_zenith : array, shape (rows,)
+        [°]
+    inputs : Inputs
+        For the steps.
+    cloud_memory : float, default 3
+        Time constant. [h]
+
+    Returns
+    -------
+    array, shape (rows,)
+        From 0 to 1; NaN where ``clearness`` is.
 
     References
     ----------

@@ -76,7 +76,21 @@ def sun(
 
 
 def standard_time(index: pd.DatetimeIndex, location: Location) -> pd.DatetimeIndex:
-    """Times without a zone as the local standard time of a location."""
+    """
+    Times without a zone as the local standard time of a location.
+
+    Parameters
+    ----------
+    index : DatetimeIndex
+        Without a zone, at least one.
+    location : pvlib.location.Location
+        If its zone is UTC, pvlib's default, the standard time is that of the longitude.
+
+    Returns
+    -------
+    DatetimeIndex
+        In UTC.
+    """
     offset = pd.Timedelta(hours=round(location.longitude / 15.0))
     if str(location.tz) != "UTC":
         january: Any = pd.Timestamp(index[0].year, 1, 1, tz=location.tz)
@@ -91,7 +105,22 @@ def aoi_projection(
     surface_azimuth: np.ndarray,
     inputs: Inputs,
 ) -> np.ndarray:
-    """Cosine of the angle of incidence, negative behind the module. [-]"""
+    """
+    Cosine of the angle of incidence, negative behind the module. [-]
+
+    Parameters
+    ----------
+    solar_zenith, solar_azimuth : array, shape (rows,)
+        Position of the sun, azimuth clockwise from north. [°]
+    surface_tilt, surface_azimuth : array, shape (rows,)
+        Angles of the plane, azimuth clockwise from north. [°]
+    inputs : Inputs
+        Not used.
+
+    Returns
+    -------
+    array, shape (rows,)
+    """
     plane = surface_tilt, surface_azimuth
     return irradiance.aoi_projection(*plane, solar_zenith, solar_azimuth)
 
@@ -127,6 +156,22 @@ def clearness(
 
     With a beam by :func:`diffuse_share`, an isotropic sky and reflection from the
     ground, it gives the measured irradiance in the plane.
+
+    Parameters
+    ----------
+    poa_global : array, shape (rows,)
+        [W/m²]
+    solar_zenith, surface_tilt : array, shape (rows,)
+        [°]
+    aoi_projection : array, shape (rows,)
+        [-]
+    inputs : Inputs
+        Not used.
+
+    Returns
+    -------
+    array, shape (rows,)
+        From 0 to 1; NaN where an input is.
     """
     up = np.cos(np.radians(solar_zenith))
     found = 0.0 * (poa_global + up + aoi_projection)  # NaN where an input is NaN
@@ -153,7 +198,23 @@ def on_plane(
     surface_tilt: float,
     surface_azimuth: float,
 ) -> np.ndarray:
-    """Irradiance of a sky in any plane, as :func:`clearness` has it. [W/m²]"""
+    """
+    Irradiance of a sky in any plane, as :func:`clearness` has it. [W/m²]
+
+    Parameters
+    ----------
+    clearness : array, shape (rows,)
+        [-]
+    solar_zenith, solar_azimuth : array, shape (rows,)
+        Position of the sun, azimuth clockwise from north. [°]
+    surface_tilt, surface_azimuth : float or array, shape (rows,)
+        Angles of the plane, azimuth clockwise from north. [°]
+
+    Returns
+    -------
+    array, shape (rows,)
+        0 with the sun below the horizon.
+    """
     up = np.maximum(np.cos(np.radians(solar_zenith)), 0.0)
     plane = surface_tilt, surface_azimuth
     ahead = irradiance.aoi_projection(*plane, solar_zenith, solar_azimuth)
@@ -170,18 +231,61 @@ def beam(
     aoi_projection: np.ndarray,
     inputs: Inputs,
 ) -> np.ndarray:
-    """Beam irradiance in the plane of the module, by :func:`clearness`. [W/m²]"""
+    """
+    Beam irradiance in the plane of the module, by :func:`clearness`. [W/m²]
+
+    Parameters
+    ----------
+    poa_global : array, shape (rows,)
+        Upper limit of the beam. [W/m²]
+    clearness, aoi_projection : array, shape (rows,)
+        [-]
+    inputs : Inputs
+        Not used.
+
+    Returns
+    -------
+    array, shape (rows,)
+    """
     direct = clearness * (1.0 - diffuse_share(clearness)) * SOLAR_CONSTANT
     return np.minimum(direct * np.maximum(aoi_projection, 0.0), poa_global)
 
 
 def sun_north(solar_azimuth: np.ndarray, inputs: Inputs) -> np.ndarray:
-    """Northward component of the direction to the sun on the horizon. [-]"""
+    """
+    Northward component of the direction to the sun on the horizon. [-]
+
+    Parameters
+    ----------
+    solar_azimuth : array, shape (rows,)
+        Clockwise from north. [°]
+    inputs : Inputs
+        Not used.
+
+    Returns
+    -------
+    array, shape (rows,)
+        From -1 to 1.
+    """
     return np.cos(np.radians(solar_azimuth))
 
 
 def sun_east(solar_azimuth: np.ndarray, inputs: Inputs) -> np.ndarray:
-    """Eastward component of the direction to the sun on the horizon. [-]"""
+    """
+    Eastward component of the direction to the sun on the horizon. [-]
+
+    Parameters
+    ----------
+    solar_azimuth : array, shape (rows,)
+        Clockwise from north. [°]
+    inputs : Inputs
+        Not used.
+
+    Returns
+    -------
+    array, shape (rows,)
+        From -1 to 1.
+    """
     return np.sin(np.radians(solar_azimuth))
 
 
@@ -190,6 +294,19 @@ def beam_clear(
 ) -> np.ndarray:
     """
     Beam in the plane under a clear sky [1]_. [W/m²]
+
+    Parameters
+    ----------
+    solar_zenith : array, shape (rows,)
+        [°]
+    aoi_projection : array, shape (rows,)
+        [-]
+    inputs : Inputs
+        Not used.
+
+    Returns
+    -------
+    array, shape (rows,)
 
     References
     ----------
@@ -213,6 +330,21 @@ def beam_around(
 
     It is the clear-sky beam times the share of it that was measured in those hours,
     weighted by ``seen``. So it includes beam that a shaded irradiance sensor misses.
+
+    Parameters
+    ----------
+    beam, beam_clear : array, shape (rows,)
+        Beam in the plane, by the sensor and under a clear sky. [W/m²]
+    elapsed : array, shape (rows,)
+        Time since the record began. [s]
+    inputs : Inputs, optional
+        Not used.
+    seen : float or array, shape (rows,), default 1
+        Weight of each row. [-]
+
+    Returns
+    -------
+    array, shape (rows,)
     """
     steps = np.diff(elapsed, prepend=elapsed[:1])
     there, whole = (
@@ -225,7 +357,22 @@ def beam_around(
 def ghi_estimated(
     clearness: np.ndarray, solar_zenith: np.ndarray, inputs: Inputs
 ) -> np.ndarray:
-    """Global horizontal irradiance, by :func:`clearness`. [W/m²]"""
+    """
+    Global horizontal irradiance, by :func:`clearness`. [W/m²]
+
+    Parameters
+    ----------
+    clearness : array, shape (rows,)
+        [-]
+    solar_zenith : array, shape (rows,)
+        [°]
+    inputs : Inputs
+        Not used.
+
+    Returns
+    -------
+    array, shape (rows,)
+    """
     up = np.maximum(np.cos(np.radians(solar_zenith)), 0.0)
     return SOLAR_CONSTANT * clearness * up
 
@@ -245,7 +392,24 @@ def beam_by_tilt(
     Additional beam on a plane that is one degree steeper. [W/(m² °)]
 
     A plane that turns about an axis leans one degree further to the side to which a
-    positive rotation turns it: to the west, if ``axis_azimuth`` is 180°. [°]
+    positive rotation turns it: to the west, if ``axis_azimuth`` is 180°.
+
+    Parameters
+    ----------
+    beam : array, shape (rows,)
+        Beam in the plane. [W/m²]
+    aoi_projection : array, shape (rows,)
+        [-]
+    solar_zenith, solar_azimuth, surface_tilt, surface_azimuth : array, shape (rows,)
+        Sun and plane, azimuths clockwise from north. [°]
+    inputs : Inputs
+        Not used.
+    axis_azimuth : float, optional
+        Azimuth of the axis; None for a plane that does not turn. [°]
+
+    Returns
+    -------
+    array, shape (rows,)
     """
     zenith, tilt = np.radians(solar_zenith), np.radians(surface_tilt)
     aside = 1.0
@@ -268,7 +432,24 @@ def beam_by_azimuth(
     surface_azimuth: np.ndarray,
     inputs: Inputs,
 ) -> np.ndarray:
-    """Additional beam on a plane turned clockwise by one degree. [W/(m² °)]"""
+    """
+    Additional beam on a plane turned clockwise by one degree. [W/(m² °)]
+
+    Parameters
+    ----------
+    beam : array, shape (rows,)
+        Beam in the plane. [W/m²]
+    aoi_projection : array, shape (rows,)
+        [-]
+    solar_zenith, solar_azimuth, surface_tilt, surface_azimuth : array, shape (rows,)
+        Sun and plane, azimuths clockwise from north. [°]
+    inputs : Inputs
+        Not used.
+
+    Returns
+    -------
+    array, shape (rows,)
+    """
     around = np.radians(solar_azimuth - surface_azimuth)
     slope = np.sin(np.radians(solar_zenith)) * np.sin(np.radians(surface_tilt))
     slope = slope * np.sin(around)

@@ -19,7 +19,21 @@ PLACE = ShellText(
 
 
 def check_transposition(name: str, place: dict) -> None:
-    """Refuse an unknown model of the sky, or an incomplete place."""
+    """
+    Refuse an unknown model of the sky, or an incomplete place.
+
+    Parameters
+    ----------
+    name : str
+        One of :data:`TRANSPOSITIONS`.
+    place : dict
+        From :func:`pvlib_fem.drivers.checked_place`.
+
+    Raises
+    ------
+    ValueError
+        If the name is another one, or the location or the plane is not known.
+    """
     if name not in TRANSPOSITIONS:
         raise ValueError(
             f"transposition is {name!r}; it is {' or '.join(map(repr, TRANSPOSITIONS))}"
@@ -93,5 +107,16 @@ def in_plane(columns: Any, index: Any, place: dict, transposition: Any) -> Any:
 
 
 def is_split(columns: Any) -> Any:
-    """Whether the columns have both beam and diffuse irradiance."""
+    """
+    Whether the columns have both beam and diffuse irradiance.
+
+    Parameters
+    ----------
+    columns : collection of str
+        Names of columns, or a mapping by them.
+
+    Returns
+    -------
+    bool
+    """
     return all(name in columns for name in PARTS)

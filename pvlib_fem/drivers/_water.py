@@ -14,7 +14,19 @@ SOAKED = 5.0  # the module is fully wet if the smoothed rain times this exceeds 
 
 
 def saturation(celsius: np.ndarray) -> np.ndarray:
-    """Saturation vapour pressure over water, by Magnus. [hPa]"""
+    """
+    Saturation vapour pressure over water, by Magnus. [hPa]
+
+    Parameters
+    ----------
+    celsius : float or array
+        Temperature. [°C]
+
+    Returns
+    -------
+    float or array
+        Of the shape of ``celsius``.
+    """
     return 6.112 * np.exp(MAGNUS[0] * celsius / (MAGNUS[1] + celsius))
 
 
@@ -24,7 +36,19 @@ def wetness(
     """
     Share of a module that is wet: 1 in rain, and drying after it. [-]
 
-    ``drying`` is the time constant of drying. [s]
+    Parameters
+    ----------
+    precipitation : array, shape (rows,)
+        [mm/h]
+    inputs : Inputs
+        For the steps.
+    drying : float, default 1800
+        Time constant of drying. [s]
+
+    Returns
+    -------
+    array, shape (rows,)
+        From 0 to 1; NaN where ``precipitation`` is.
     """
     falling = np.where(np.isnan(precipitation), np.nan, precipitation > 0)
     return np.minimum(1.0, SOAKED * smoothed(falling, inputs, drying))
@@ -43,6 +67,22 @@ def film_vapour(
     The film makes the module colder than a dry one, ``temp_base``. In balance, its loss
     by evaporation and to the air equals the loss of the dry module to the air, as for
     a wet-bulb thermometer.
+
+    Parameters
+    ----------
+    wetness : array, shape (rows,)
+        Share of the module that is wet. [-]
+    relative_humidity : array, shape (rows,)
+        [%]
+    temp_air, temp_base : array, shape (rows,)
+        Temperature of the air, and of a dry module. [°C]
+    inputs : Inputs or None
+        Not used.
+
+    Returns
+    -------
+    array, shape (rows,)
+        At least 0.
     """
     air = relative_humidity / 100.0 * saturation(temp_air)
     wet, latent = temp_base, LATENT * wetness
@@ -65,9 +105,26 @@ def days_since_rain(
     """
     Time since rain cleaned the module, or the record began [1]_ [2]_. [days]
 
-    Rain cleans the module if more than ``cleaning`` [mm] fall ``within`` some hours:
-    1 mm as in :func:`pvlib.soiling.hsu`, 6 mm in 24 h as in
-    :func:`pvlib.soiling.kimber`. After ``dirtiest`` [days] soiling is constant.
+    Rain cleans the module if enough of it falls within some hours: 1 mm as in
+    :func:`pvlib.soiling.hsu`, 6 mm in 24 h as in :func:`pvlib.soiling.kimber`.
+
+    Parameters
+    ----------
+    precipitation : array, shape (rows,)
+        NaN counts as no rain. [mm/h]
+    inputs : Inputs
+        For the times.
+    cleaning : float, default 1
+        Rain that cleans the module. [mm]
+    within : float, default 3
+        Duration in which it falls. [h]
+    dirtiest : float, default 60
+        Time after which soiling is constant. [days]
+
+    Returns
+    -------
+    array, shape (rows,)
+        From 0 to ``dirtiest``.
 
     References
     ----------
@@ -99,9 +156,27 @@ def snow_cover(
     """
     Whether snow lies on the module, from snow depth on the ground [1]_. [-]
 
-    Snow covers the module when the depth grows by more than ``snowfall`` [cm] in about
-    an hour, half a step of the usual gauge. It has slid off after one and a half
-    hours with more than 50 W/m² and air warmer than −G/80.
+    Snow covers the module when the depth grows by more than ``snowfall`` in about an
+    hour. It has slid off after one and a half hours with more than 50 W/m² and air
+    warmer than −G/80.
+
+    Parameters
+    ----------
+    snow_depth : array, shape (rows,)
+        On the ground. [cm]
+    temp_air : array, shape (rows,)
+        [°C]
+    poa_global : array, shape (rows,)
+        [W/m²]
+    inputs : Inputs
+        For the steps.
+    snowfall : float, default 0.5
+        Half a step of the usual gauge. [cm]
+
+    Returns
+    -------
+    array of float, shape (rows,)
+        1 or 0; NaN where an input is.
 
     References
     ----------
@@ -136,8 +211,31 @@ def snow_left(
     Part of the module under remaining snow where ``snow_cover`` is 0. [-]
 
     In air warmer than −G/80 snow slides off gradually: two tenths of the module per
-    hour, times the sine of the tilt [1]_. At 30° that takes ten hours, ``sliding``.
-    No snow remains if at most ``lying`` [cm] are on the ground [2]_.
+    hour, times the sine of the tilt [1]_. No snow remains with little on the
+    ground [2]_.
+
+    Parameters
+    ----------
+    snow_cover : array, shape (rows,)
+        1 where snow covers the module. [-]
+    snow_depth : array, shape (rows,)
+        On the ground. [cm]
+    temp_air : array, shape (rows,)
+        [°C]
+    poa_global : array, shape (rows,)
+        [W/m²]
+    inputs : Inputs
+        For the times.
+    lying : float, default 1
+        Depth up to which no snow remains on the module. [cm]
+    sliding : float, default 10
+        Time in such air until all snow has slid off; the default is that of a tilt of
+        30°. [h]
+
+    Returns
+    -------
+    array, shape (rows,)
+        From 0 to 1; NaN where ``snow_cover`` is.
 
     References
     ----------
