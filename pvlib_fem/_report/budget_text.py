@@ -44,7 +44,19 @@ def scales(loop: "Loop") -> pd.Series:
 
 
 def in_time(loop: "Loop") -> str:
-    """A sentence on the time scales of the remaining error; "" if none is known."""
+    """
+    A sentence on the time scales of the remaining error; "" if none is known.
+
+    Parameters
+    ----------
+    loop : Loop
+        Loop with its budget and its episodes.
+
+    Returns
+    -------
+    str
+        With the remaining error [K] and the mean square of each time scale [K²].
+    """
     budget, parts = loop.budget, scales(loop)
     remaining = budget["mean_square"][budget["kind"] == "left"].iloc[0]
     if not remaining > 0.0:
@@ -66,7 +78,22 @@ def in_time(loop: "Loop") -> str:
 
 
 def dates(loop: "Loop", most: int | None = MOST) -> Iterator[tuple[str, str]]:
-    """Days that stand out and what is said of them, the largest share first."""
+    """
+    Days that stand out and what is said of them, the largest share first.
+
+    Parameters
+    ----------
+    loop : Loop
+        Loop with its episodes.
+    most : int or None, default 3
+        Number of episodes; None for all.
+
+    Yields
+    ------
+    (str, str)
+        From and to, and the mean residual by day and by night with the share of the
+        error.
+    """
     rows = loop.episodes.to_dict("records")
     for row in rows[:most]:
         share = f"{100 * row['share']:.2g} % of the mean square of all weeks"
@@ -74,19 +101,54 @@ def dates(loop: "Loop", most: int | None = MOST) -> Iterator[tuple[str, str]]:
 
 
 def more(loop: "Loop") -> str:
-    """How many further ones there are."""
+    """
+    Number of episodes beyond the first three; "" if there are no more.
+
+    Parameters
+    ----------
+    loop : Loop
+        Loop with its episodes.
+
+    Returns
+    -------
+    str
+    """
     count = len(loop.episodes) - MOST
     return f"{count} more in loop.episodes" if count > 0 else ""
 
 
 def span(row: Mapping[Hashable, Any]) -> str:
-    """From and to of an episode."""
+    """
+    From and to of an episode.
+
+    Parameters
+    ----------
+    row : dict
+        Row of ``loop.episodes``, with ``start`` and ``end``, its last day.
+
+    Returns
+    -------
+    str
+        One date for an episode of one day.
+    """
     start, end = (f"{row[name]:%Y-%m-%d}" for name in ("start", "end"))
     return start if start == end else f"{start} to {end}"
 
 
 def apart(row: Mapping[Hashable, Any]) -> str:
-    """How much warmer or colder the module was than modelled, by day and by night."""
+    """
+    How much warmer or colder the module was than modelled, by day and by night.
+
+    Parameters
+    ----------
+    row : dict
+        Row of ``loop.episodes``, with ``day`` and ``night``: means of measured minus
+        modelled temperature, or NaN. [K]
+
+    Returns
+    -------
+    str
+    """
     words = []
     for when in ("day", "night"):
         if abs(row[when]) >= 0.05:  # not where it is unknown
@@ -96,7 +158,19 @@ def apart(row: Mapping[Hashable, Any]) -> str:
 
 
 def cells(loop: "Loop") -> Iterator[tuple[str, ...]]:
-    """Rows of the budget for a page."""
+    """
+    Rows of the budget for a page.
+
+    Parameters
+    ----------
+    loop : Loop
+        Loop with its budget.
+
+    Yields
+    ------
+    tuple of str
+        Part, mean square [K²], its root [K], share [%] and weeks.
+    """
     for name, row in loop.budget.iterrows():
         values = (row["mean_square"], row["error"], 100 * row["share"])
         words = PARTS[row["kind"]].format(str(name).removeprefix("+"))

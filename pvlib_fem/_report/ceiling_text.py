@@ -9,7 +9,19 @@ if TYPE_CHECKING:
 
 
 def sentence(ceiling: "Ceiling") -> str:
-    """What the loop has closed of what trees on the same columns close."""
+    """
+    What the loop explains of the error that trees on the same columns explain.
+
+    Parameters
+    ----------
+    ceiling : Ceiling
+        Errors of the paper's form, the loop and the trees on the test weeks.
+
+    Returns
+    -------
+    str
+        One sentence with the errors [K] and the share that the loop explains.
+    """
     patterns = ceiling.loop < ceiling.causes  # False where the causes are not known
     own = f"the loop {ceiling.loop:.2f} K"
     if patterns:

@@ -148,26 +148,90 @@ def document(title: str, parts: Parts) -> str:
 
 
 def fragment(parts: Parts) -> str:
-    """Blocks as HTML inside another page, such as a notebook."""
+    """
+    Blocks as HTML inside another page, such as a notebook.
+
+    Parameters
+    ----------
+    parts : sequence
+        Blocks in order, or lists of them.
+
+    Returns
+    -------
+    str
+    """
     return environment().get_template("fragment.html").render(parts=flat(parts))
 
 
 def section(title: str, *body: Block | Parts) -> Section:
-    """Blocks under a title."""
+    """
+    Blocks under a title.
+
+    Parameters
+    ----------
+    title : str
+        Title of the section.
+    *body : Block or sequence
+        Blocks in order, or lists of them.
+
+    Returns
+    -------
+    Section
+    """
     return Section(title, flat(body))
 
 
 def paragraph(text: str, style: str = "") -> Paragraph:
+    """
+    A paragraph of text.
+
+    Parameters
+    ----------
+    text : str
+        Plain text; the page escapes it.
+    style : str, optional
+        Class of the style sheet, such as ``"soft"`` or ``"alert"``.
+
+    Returns
+    -------
+    Paragraph
+    """
     return Paragraph(text, style)
 
 
 def link(words: str, address: str) -> Link:
-    """A link, for a cell of a table."""
+    """
+    A link, for a cell of a table.
+
+    Parameters
+    ----------
+    words : str
+        Text of the link.
+    address : str
+        Relative path or URI that it leads to.
+
+    Returns
+    -------
+    Link
+    """
     return Link(words, address)
 
 
 def listed(items: Iterable[tuple[str, str]], ordered: bool = False) -> Listing:
-    """A list of pairs: a name, and the text on it."""
+    """
+    A list of pairs: a name, and the text on it.
+
+    Parameters
+    ----------
+    items : iterable of (str, str)
+        Name and text of each item.
+    ordered : bool, default False
+        Number the items.
+
+    Returns
+    -------
+    Listing
+    """
     return Listing(list(items), [], ordered)
 
 
@@ -202,5 +266,17 @@ def table(
 
 
 def figures(pictures: Iterable[tuple[str, ...]]) -> Figures:
-    """A grid of ``svg`` elements, each with what it shows and perhaps a title."""
+    """
+    A grid of ``svg`` elements, each with what it shows and perhaps a title.
+
+    Parameters
+    ----------
+    pictures : iterable of tuple of str
+        An ``svg`` element, which is not escaped, its caption and, optionally, its
+        title.
+
+    Returns
+    -------
+    Figures
+    """
     return Figures([Figure(Markup(svg), *words) for svg, *words in pictures])

@@ -19,7 +19,19 @@ MOST = 3  # events of a kind that are reported one by one
 
 
 def by_kind(loop: "Loop") -> dict[str, pd.DataFrame]:
-    """Events of each kind, the largest first; kinds by their share."""
+    """
+    Events of each kind, the largest first; kinds by their share.
+
+    Parameters
+    ----------
+    loop : Loop
+        Loop with its events.
+
+    Returns
+    -------
+    dict of DataFrame
+        Rows of ``loop.events`` by the name of their effect; empty without events.
+    """
     if not len(loop.events):
         return {}
     kinds = loop.events.groupby("effect", sort=False)
@@ -28,7 +40,18 @@ def by_kind(loop: "Loop") -> dict[str, pd.DataFrame]:
 
 
 def all_of(events: pd.DataFrame) -> str:
-    """How many there are, and what share of the error they have."""
+    """
+    Number of events, their hours of light, and their share of the error.
+
+    Parameters
+    ----------
+    events : DataFrame
+        Rows of ``loop.events``.
+
+    Returns
+    -------
+    str
+    """
     count, hours = len(events), int(events["hours"].sum())
     return (
         f"{count} event{'s' * (count > 1)}, {hours:,} h of light, "
@@ -37,7 +60,20 @@ def all_of(events: pd.DataFrame) -> str:
 
 
 def described(row: pd.Series | Mapping[Hashable, Any]) -> str:
-    """One event: when, how much, and what else the record says."""
+    """
+    One event: when, how much, and what else the record says.
+
+    Parameters
+    ----------
+    row : Series or dict
+        Row of ``loop.events``: ``start``, ``end``, ``size`` [K], positive where the
+        module is warmer than modelled, ``power`` over that expected [-], and where they
+        are known ``temp_air`` [°C] and ``snow_depth`` [cm].
+
+    Returns
+    -------
+    str
+    """
     way = "warmer" if row["size"] > 0 else "colder"
     parts = [f"{abs(row['size']):.1f} K {way} than modelled"]
     if np.isfinite(row["power"]):
@@ -57,7 +93,20 @@ def span(row: pd.Series | Mapping[Hashable, Any]) -> str:
 
 
 def largest(events: pd.DataFrame, most: int = MOST) -> str:
-    """The largest events in words, and how many more there are."""
+    """
+    The largest events in words, and how many more there are.
+
+    Parameters
+    ----------
+    events : DataFrame
+        Rows of ``loop.events``, the largest first.
+    most : int, default 3
+        Number of events in words.
+
+    Returns
+    -------
+    str
+    """
     rows = events.to_dict("records")
     parts = [described(row) for row in rows[:most]]
     more = len(rows) - len(parts)

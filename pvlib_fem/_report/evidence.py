@@ -235,7 +235,21 @@ def by_sun(rows: Rows, effect: Effect) -> Picture | None:
 
 
 def power_deficit(rows: Rows, effect: Effect) -> Picture | None:
-    """Power and expected power around the largest event, or their ratio by date."""
+    """
+    Power and expected power around the largest event, or their ratio by date.
+
+    Parameters
+    ----------
+    rows : Rows
+        Measured rows of the loop, and dates of the finding.
+    effect : Effect
+        Effect whose events are looked up.
+
+    Returns
+    -------
+    Picture or None
+        None without a column of the plant's power, or with too few rows of power.
+    """
     names = [name for name in PLANT_POWER if rows.column(name) is not None]
     if not names:
         return None

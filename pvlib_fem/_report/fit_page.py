@@ -76,7 +76,19 @@ def fit_page(fit: "FemFit", title: str = "", gamma: float = GAMMA) -> str:
 
 
 def brief(fit: "FemFit") -> str:
-    """The headline, the coefficients and the errors, for a notebook."""
+    """
+    The headline, the coefficients and the errors, for a notebook.
+
+    Parameters
+    ----------
+    fit : FemFit
+        Fit with or without its rows.
+
+    Returns
+    -------
+    str
+        HTML that is no whole page.
+    """
     words = f"{fit.model}, {fit.dynamics}: {headline(fit)}"
     return fragment([heading(words, tag="h4"), coefficients(fit), errors(fit)])
 

@@ -12,7 +12,18 @@ if TYPE_CHECKING:
 
 
 def lines(fit: "FemFit") -> Iterator[str]:
-    """Yield the lines of the printed report."""
+    """
+    Yield the lines of the printed report.
+
+    Parameters
+    ----------
+    fit : FemFit
+        Fit with or without its rows.
+
+    Yields
+    ------
+    str
+    """
     record = fit.summary
     days = f"{fit.train_days} day{'s' * (fit.train_days != 1)}"
     added = "".join(f" + {effect.name}" for effect in fit.effects)

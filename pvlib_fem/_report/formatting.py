@@ -9,17 +9,50 @@ if TYPE_CHECKING:
 
 
 def number(value: float) -> str:
-    """Two decimals, without a negative zero; a dash where there is none."""
+    """
+    Two decimals, without a negative zero; a dash where there is none.
+
+    Parameters
+    ----------
+    value : float
+        Any number; NaN or infinity is a dash.
+
+    Returns
+    -------
+    str
+    """
     return f"{value:z.2f}" if np.isfinite(value) else "–"
 
 
 def rounded(error: float) -> str:
-    """Two digits, and never 2e+03; a dash where there is none."""
+    """
+    Two digits, and never 2e+03; a dash where there is none.
+
+    Parameters
+    ----------
+    error : float
+        Any number; NaN or infinity is a dash.
+
+    Returns
+    -------
+    str
+    """
     return f"{float(f'{error:.2g}'):g}" if np.isfinite(error) else "–"
 
 
 def spanned(low: float, high: float) -> str:
-    """From and to, to two digits of half of what is between them."""
+    """
+    From and to, to two digits of half of what is between them.
+
+    Parameters
+    ----------
+    low, high : float
+        Ends of a range. If ``high`` is not above ``low``, only ``low`` is shown.
+
+    Returns
+    -------
+    str
+    """
     half = (high - low) / 2.0
     if not half > 0:
         return f"{low:.4g}"
@@ -28,7 +61,22 @@ def spanned(low: float, high: float) -> str:
 
 
 def value_and_error(fit: "FemFit", name: str) -> tuple[str, str]:
-    """Cells of a table: a coefficient and its error."""
+    """
+    Cells of a table: a coefficient and its error.
+
+    Parameters
+    ----------
+    fit : FemFit
+        Fit with this coefficient.
+    name : str
+        Name of the coefficient.
+
+    Returns
+    -------
+    (str, str)
+        Value and standard error; the latter is "held" for a fixed coefficient and a
+        dash where it is not known.
+    """
     value, error = fit.coefficients[name], fit.stderr[name]
     if name in fit.fixed:
         return f"{value:.5g}", "held"
@@ -39,7 +87,21 @@ def value_and_error(fit: "FemFit", name: str) -> tuple[str, str]:
 
 
 def with_error(value: float, error: float) -> str:
-    """A value to the two digits of its error, and that; alone without one."""
+    """
+    A value to the two digits of its error, and that; alone without one.
+
+    Parameters
+    ----------
+    value : float
+        Any number.
+    error : float
+        Its standard error, in the same unit; without one if it is not finite or not
+        positive.
+
+    Returns
+    -------
+    str
+    """
     if not (np.isfinite(error) and error > 0):
         return f"{value:.4g}"
     last = int(np.floor(np.log10(float(f"{error:.1e}")))) - 1  # place of both

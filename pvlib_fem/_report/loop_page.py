@@ -247,7 +247,19 @@ def name_of(loop: "Loop") -> str:
 
 
 def brief(loop: "Loop") -> str:
-    """The headline and the errors, for a notebook."""
+    """
+    The headline and the errors, for a notebook.
+
+    Parameters
+    ----------
+    loop : Loop
+        Loop with or without its rows.
+
+    Returns
+    -------
+    str
+        HTML that is no whole page.
+    """
     return fragment(
         [
             heading(f"Module temperature: {headline(loop)}", name_of(loop), tag="h4"),
@@ -424,7 +436,20 @@ def rules(loop: "Loop") -> Paragraph | Table:
 
 
 def numbers(finding: Finding) -> str:
-    """Coefficients of a finding in one line."""
+    """
+    Coefficients of a finding in one line.
+
+    Parameters
+    ----------
+    finding : Finding
+        Finding, whose coefficients are of its most probable cause.
+
+    Returns
+    -------
+    str
+        Each coefficient with its standard error, without the name of the effect; empty
+        without coefficients.
+    """
     return ", ".join(
         f"{name.removeprefix(f'{finding.effect}.')} "
         + with_error(value, finding.stderr.get(name, np.nan))
@@ -507,7 +532,20 @@ def next_measurements(loop: "Loop") -> Listing | Paragraph:
 
 
 def by_reason(reasons: Mapping[str, Because]) -> dict[str, list[str]]:
-    """Names by the reason that they share, in the order of the first of them."""
+    """
+    Names by the reason that they share, in the order of the first of them.
+
+    Parameters
+    ----------
+    reasons : dict of Because
+        Why each effect is not tested or not seen, by its name.
+
+    Returns
+    -------
+    dict of list of str
+        Names by the reason in words. Effects that would be seen have their least gain
+        [K], and all changes of instruments together are one name.
+    """
     groups = {}
     for name, why in reasons.items():
         words = str(why)

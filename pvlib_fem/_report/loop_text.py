@@ -48,13 +48,35 @@ OPEN = (Verdict.AMBIGUOUS, Verdict.HINT)
 
 
 def never(fit: "FemFit") -> list[str]:
-    """What no such record can tell."""
+    """
+    What no such record can show.
+
+    Parameters
+    ----------
+    fit : FemFit
+        Fit, whose columns decide whether wind is among them.
+
+    Returns
+    -------
+    list of str
+    """
     wind = "wind_speed" in fit.summary.columns
     return [words for words in NEVER if wind or words != OF_WIND]
 
 
 def lines(loop: "Loop") -> Iterator[str]:
-    """Lines of the printed report, none wider than a window."""
+    """
+    Lines of the printed report, none wider than a window.
+
+    Parameters
+    ----------
+    loop : Loop
+        Loop with or without its rows.
+
+    Yields
+    ------
+    str
+    """
     fit, record = loop.fit, loop.fit.summary
     yield (
         f"pvlib_fem: the loop on {length(record)} · "
@@ -66,7 +88,19 @@ def lines(loop: "Loop") -> Iterator[str]:
 
 
 def length(record: Summary) -> str:
-    """Days of a record, and its step."""
+    """
+    Days of a record, and its step.
+
+    Parameters
+    ----------
+    record : Summary
+        Summary of the rows.
+
+    Returns
+    -------
+    str
+        Such as "365 days at 5 min".
+    """
     step, days = record.step, record.days
     width = f"{step / 60:g} min" if step >= 60 else f"{step:g} s"
     return f"{days} day{'s' if days > 1 else ''} at {width}"
@@ -150,6 +184,20 @@ def remaining(loop: "Loop") -> Iterator[tuple[str, str]]:
 
 
 def cell(value: float, width: int) -> str:
+    """
+    A number with two decimals, to the right of its cell; a dash for NaN.
+
+    Parameters
+    ----------
+    value : float
+        Any number.
+    width : int
+        Width of the cell. [characters]
+
+    Returns
+    -------
+    str
+    """
     return f"{'–':>{width}}" if np.isnan(value) else f"{value:>z{width}.2f}"
 
 

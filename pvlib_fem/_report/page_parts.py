@@ -189,7 +189,20 @@ def done_to_data(rows: Sequence[Treatment], notes: Sequence[str]) -> list[Block]
 
 
 def made_by(fit: "FemFit", call: str) -> list[Block]:
-    """Version, call, and hashes that say whether the data are the same."""
+    """
+    Version, call, and hashes that say whether the data are the same.
+
+    Parameters
+    ----------
+    fit : FemFit
+        Fit with the hash of its data.
+    call : str
+        Python code of the call that made it.
+
+    Returns
+    -------
+    list of Block
+    """
     from pvlib_fem import __version__  # the package is complete by now
 
     columns = ", ".join(fit.summary.measured)
@@ -207,5 +220,16 @@ def made_by(fit: "FemFit", call: str) -> list[Block]:
 
 
 def printed(result: object) -> Verbatim:
-    """The printed report, behind a line."""
+    """
+    The printed report, behind a line.
+
+    Parameters
+    ----------
+    result : object
+        Result whose text is the report, or the report itself.
+
+    Returns
+    -------
+    Verbatim
+    """
     return Verbatim(str(result), "The printed report")

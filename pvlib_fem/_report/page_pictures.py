@@ -84,7 +84,19 @@ def pictures(loop: "Loop") -> list[tuple[str, str]]:
 
 
 def picture_of_ceiling(ceiling: "Ceiling") -> tuple[str, str]:
-    """The bar of a ceiling, and what it shows."""
+    """
+    The bar of a ceiling, and what it shows.
+
+    Parameters
+    ----------
+    ceiling : Ceiling
+        Errors of the paper's form, the loop and the trees on the test weeks.
+
+    Returns
+    -------
+    (str, str)
+        An ``svg`` element, and its caption.
+    """
     words = (
         "Mean square of the paper's form: the part that the loop explains, the part "
         "that only boosted trees on the same columns explain, and the rest"

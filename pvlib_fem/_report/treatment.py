@@ -87,7 +87,19 @@ def columns_made(loop: "Loop") -> Iterator[Treatment]:
 
 
 def screened(record: Summary) -> Iterator[Treatment]:
-    """Values that are missing, impossible or set to zero, by column of a summary."""
+    """
+    Values that are missing, impossible or set to zero, by column of a summary.
+
+    Parameters
+    ----------
+    record : Summary
+        Summary of the rows.
+
+    Yields
+    ------
+    (str, str, int, str)
+        Step, column, number of rows, and what was done.
+    """
     for name, count in record.missing.items():
         impossible = record.impossible.get(name, 0)
         if impossible:
