@@ -28,6 +28,8 @@ def common_index(series: dict) -> Any:
     """The one index of several series, or None without any."""
     if not series:
         return None
+    if empty := [name for name, one in series.items() if not len(one)]:
+        raise ValueError(f"{empty[0]} is empty; give at least one row")
     (first, one), *others = series.items()
     for name, other in others:
         if other.index.equals(one.index):

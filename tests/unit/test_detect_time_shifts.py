@@ -135,6 +135,8 @@ def test_what_is_no_series_of_light_is_refused(poa):
         detect.time_shifts(poa, None)
     with pytest.raises(ValueError, match="the index of light is not sorted"):
         detect.time_shifts(poa.iloc[::-1], here)
+    with pytest.raises(ValueError, match="light is empty; give at least one row"):
+        detect.time_shifts(poa[:0], here)
 
 
 def test_a_record_without_light_has_no_clock(poa):
