@@ -25,7 +25,24 @@ KEEP_ONE = ShellText(
 
 
 def common_index(series: dict) -> Any:
-    """The one index of several series, or None without any."""
+    """
+    The one index of several series.
+
+    Parameters
+    ----------
+    series : dict of Series
+        By the names of the message.
+
+    Returns
+    -------
+    DatetimeIndex, other Index or None
+        Index of the first series; None without any.
+
+    Raises
+    ------
+    ValueError
+        If a series is empty, or the indexes or their zones differ.
+    """
     if not series:
         return None
     if empty := [name for name, one in series.items() if not len(one)]:
@@ -62,6 +79,24 @@ def first_difference(one: pd.DatetimeIndex, other: pd.DatetimeIndex) -> pd.Times
 
 
 def as_times(times: np.ndarray, rows: int) -> Any:
+    """
+    Times of arrays as an index.
+
+    Parameters
+    ----------
+    times : DatetimeIndex or array, shape (rows,)
+        Datetimes, or numbers. [s]
+    rows : int
+
+    Returns
+    -------
+    Index
+
+    Raises
+    ------
+    ValueError
+        If there are not as many times as rows.
+    """
     times = pd.Index(times)
     if len(times) != rows:
         raise ValueError(f"times has {len(times)} entries for {rows} samples")
@@ -71,7 +106,35 @@ def as_times(times: np.ndarray, rows: int) -> Any:
 def plain_steps(
     index: pd.Index | None, rows: int, step: float | None, purpose: str, series: dict
 ) -> Any:
-    """Steps of rows without datetimes: from ``step``, or numbers in seconds."""
+    """
+    Steps of rows without datetimes: from ``step``, or from times as numbers.
+
+    Parameters
+    ----------
+    index : Index or None
+        Times as numbers [s] or timedeltas; None where arrays have none.
+    rows : int
+    step : float or None
+        Even step; numbers in ``index`` count only without it. [s]
+    purpose : str
+        What needs the steps, for the message.
+    series : dict of Series
+        Columns that bring ``index``; without ``step`` they are refused, by the first.
+
+    Returns
+    -------
+    index : Index
+    steps : float or array, shape (rows,)
+        Time since the row before, in ``unit``; an array has 0 in the first row.
+    unit : float
+        1. [s]
+
+    Raises
+    ------
+    ValueError
+        If there is no step and no time, the step is not positive and finite, or times
+        are NaN or do not rise.
+    """
     if step is not None:
         if not (isinstance(step, numbers.Real) and 0 < step < np.inf):
             raise ValueError(f"step = {step} must be a positive number of seconds")
@@ -96,7 +159,19 @@ def plain_steps(
 
 
 def no_datetimes(name: str, index: Any) -> Any:
-    """What to do about a Series whose index holds no times."""
+    """
+    Message for a Series whose index has no times, with the remedy.
+
+    Parameters
+    ----------
+    name : str
+        Of the Series.
+    index : Index
+
+    Returns
+    -------
+    str
+    """
     remedy = "set one with pd.to_datetime"
     if isinstance(index, pd.TimedeltaIndex):
         remedy = "add the time of its start, as pd.Timestamp('2023-06-01') + index"
@@ -104,7 +179,29 @@ def no_datetimes(name: str, index: Any) -> Any:
 
 
 def datetime_steps(index: Any, name: str) -> Any:
-    """Steps of a DatetimeIndex, as whole counts of its own resolution."""
+    """
+    Steps of a DatetimeIndex, as whole counts of its own resolution.
+
+    Parameters
+    ----------
+    index : DatetimeIndex
+        At least one time.
+    name : str
+        What holds the times, for messages.
+
+    Returns
+    -------
+    steps : float or array of int, shape (rows,)
+        Time since the row before, in ``unit``; one number where all are equal, and an
+        array has 0 in the first row.
+    unit : float
+        Resolution of the index. [s]
+
+    Raises
+    ------
+    ValueError
+        If a time is NaT, or times do not rise.
+    """
     if index.hasnans:
         raise ValueError(
             f"{name} has no time (NaT) at row {int(np.argmax(index.isna()))}; drop "
@@ -126,12 +223,34 @@ def datetime_steps(index: Any, name: str) -> Any:
 
 
 def instants(index: Any) -> Any:
-    """The times as numpy has them, in UTC where they have a zone."""
+    """
+    The times as numpy has them, in UTC where they have a zone.
+
+    Parameters
+    ----------
+    index : DatetimeIndex
+
+    Returns
+    -------
+    array of datetime64, shape (rows,)
+        Naive times are unchanged.
+    """
     return (index if index.tz is None else index.tz_convert(None)).to_numpy()
 
 
 def dates_of(index: Any) -> np.ndarray:
-    """Calendar day of each time in its own zone, from 1970-01-01."""
+    """
+    Calendar day of each time in its own zone.
+
+    Parameters
+    ----------
+    index : DatetimeIndex
+
+    Returns
+    -------
+    array of int32, shape (rows,)
+        Days since 1970-01-01.
+    """
     offset = None if index.tz is None else index.tz.utcoffset(None)
     if offset is None:  # no zone, or one of several offsets
         local = index.tz_localize(None).to_numpy()
@@ -141,7 +260,18 @@ def dates_of(index: Any) -> np.ndarray:
 
 
 def usual_step(index: Any) -> float:
-    """Median time between some times; NaN of fewer than two. [s]"""
+    """
+    Median time between neighbouring times.
+
+    Parameters
+    ----------
+    index : DatetimeIndex
+
+    Returns
+    -------
+    float
+        NaN of fewer than two times. [s]
+    """
     steps = np.diff(instants(index))
     if not len(steps):
         return np.nan
@@ -151,6 +281,24 @@ def usual_step(index: Any) -> float:
 
 
 def check_order(steps: np.ndarray, index: pd.Index, name: str) -> None:
+    """
+    Refuse times that do not rise.
+
+    Parameters
+    ----------
+    steps : array, shape (rows,)
+        Time since the row before, in any unit; the first is not looked at.
+    index : Index
+        The times, for the message.
+    name : str
+        What holds the times.
+
+    Raises
+    ------
+    ValueError
+        If a time comes twice or after a later one; at the end of summer time the
+        message names the zone as the remedy.
+    """
     if len(steps) < 2 or steps[1:].min() > 0:
         return
     at = 1 + int(np.argmax(steps[1:] <= 0))
@@ -183,12 +331,54 @@ def ends_summer_time(steps: np.ndarray, index: pd.Index, at: int) -> bool:
 
 
 def as_numbers(name: str, value: Any, index: Any) -> np.ndarray:
-    """Column in double precision; text and infinities are refused by name and time."""
+    """
+    A column in double precision.
+
+    Parameters
+    ----------
+    name : str
+        For the message.
+    value : Series, array or number
+        Numbers, of any type that numpy or pandas has; a masked value is NaN.
+    index : Index or tuple
+        Times of the rows, for the message; an empty one gives the number of the row.
+
+    Returns
+    -------
+    array of float64, shape (rows,)
+        A number has shape ().
+
+    Raises
+    ------
+    ValueError
+        If a value is infinite or no number, with its time.
+    """
     return as_given(name, value, index).astype(float, copy=False)
 
 
 def as_given(name: str, value: Any, index: pd.Index | tuple) -> np.ndarray:
-    """The numbers, with single precision kept."""
+    """
+    A column of numbers, single precision kept.
+
+    Parameters
+    ----------
+    name : str
+        For the message.
+    value : Series, array or number
+        Numbers, of any type that numpy or pandas has; a masked value is NaN.
+    index : Index or tuple
+        Times of the rows, for the message; an empty one gives the number of the row.
+
+    Returns
+    -------
+    array, shape (rows,)
+        In float32 if it is given so, else in float64; a number has shape ().
+
+    Raises
+    ------
+    ValueError
+        If a value is infinite or no number, with its time.
+    """
     if np.ma.isMaskedArray(value):
         value = np.ma.filled(value.astype(float), np.nan)
     values = value.to_numpy() if isinstance(value, pd.Series) else np.asarray(value)
@@ -233,4 +423,19 @@ def not_a_number(name: str, values: Any, row: Any, index: Any) -> Any:
 
 
 def at_time(index: Any, row: int) -> str:
+    """
+    Where a row is, as a message names it.
+
+    Parameters
+    ----------
+    index : Index or tuple
+        Times of the rows; may be empty.
+    row : int
+        Number of the row, from 0.
+
+    Returns
+    -------
+    str
+        Such as ``"2023-06-01 12:00:00 (row 720)"``.
+    """
     return f"{index[row]} (row {row})" if len(index) > row else f"row {row}"

@@ -143,7 +143,21 @@ class CleanRecord:
 
 
 def spans(rows: list | np.ndarray, start: int = 0) -> np.ndarray:
-    """Rows that are there, by first and one after the last of those that join."""
+    """
+    Runs of rows that follow each other.
+
+    Parameters
+    ----------
+    rows : array of int, shape (rows,)
+        Numbers of rows, in order.
+    start : int, default 0
+        Added to each number.
+
+    Returns
+    -------
+    array of int, shape (spans, 2)
+        First row of each run, and one after its last.
+    """
     rows = np.asarray(rows, dtype=np.int64)
     if not len(rows):
         return NONE
@@ -159,7 +173,19 @@ def joined(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 
 
 def united(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Spans of both, which may overlap, as spans that do not."""
+    """
+    Spans of both, which may overlap, as spans that do not.
+
+    Parameters
+    ----------
+    one, other : array of int, shape (spans, 2)
+        Not both empty, see :func:`spans`.
+
+    Returns
+    -------
+    array of int, shape (spans, 2)
+        In order.
+    """
     both = joined(one, other)
     ends = np.maximum.accumulate(both[:, 1])
     first = np.flatnonzero(np.append(True, both[1:, 0] > ends[:-1]))
@@ -167,7 +193,18 @@ def united(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 
 
 def size(some: np.ndarray) -> int:
-    """Number of rows in spans that do not overlap."""
+    """
+    Number of rows in spans that do not overlap.
+
+    Parameters
+    ----------
+    some : array of int, shape (spans, 2)
+        See :func:`spans`.
+
+    Returns
+    -------
+    int
+    """
     return int((some[:, 1] - some[:, 0]).sum())
 
 
@@ -180,7 +217,20 @@ def within(some: np.ndarray, start: int, rows: int) -> np.ndarray:
 
 
 def masked(some: np.ndarray, rows: int) -> np.ndarray:
-    """Booleans of that many rows, True in spans that do not overlap."""
+    """
+    Booleans of the rows of a record, True in spans.
+
+    Parameters
+    ----------
+    some : array of int, shape (spans, 2)
+        See :func:`spans`.
+    rows : int
+        Number of rows of the record.
+
+    Returns
+    -------
+    array of bool, shape (rows,)
+    """
     found = np.zeros(rows, dtype=bool)
     for first, end in some:
         found[first:end] = True
@@ -188,7 +238,20 @@ def masked(some: np.ndarray, rows: int) -> np.ndarray:
 
 
 def covered(some: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Whether each of some rows is in a span; spans do not overlap."""
+    """
+    Whether each of some rows is in a span.
+
+    Parameters
+    ----------
+    some : array of int, shape (spans, 2)
+        In order, not overlapping, see :func:`spans`.
+    rows : array of int, shape (rows,)
+        Numbers of rows, in any order.
+
+    Returns
+    -------
+    array of bool, shape (rows,)
+    """
     if not len(some):
         return np.zeros(len(rows), dtype=bool)
     place = np.searchsorted(some[:, 0], rows, side="right") - 1

@@ -65,14 +65,27 @@ TRANSPOSED = ShellText(
 SERVED = ("temp_air", "wind_speed")  # for which a second source can stand in
 #: power of a plant, the better column first
 PLANT_POWER = ("power_dc", "power_ac")
-#: names of power that is not for each m² of module, and of a second sensor
+#: names of power, and of a second sensor
 POWER = re.compile(r"(power|p)_(ac|dc|mp|mpp)(_\w+)?|power(_\w+)?")
 REAR = "poa_rear"  # light on the other side, and no second sensor of the front
 TWIN = re.compile(r"(poa|poa_global|temp_air|wind_speed|temp_module)_\w+")
 
 
 def twin_of(name: Hashable) -> Any:
-    """The usual column of which one is a second sensor, by its name, or None."""
+    """
+    The usual column of which one is a second sensor, by its name.
+
+    Parameters
+    ----------
+    name : hashable
+        Label of a column.
+
+    Returns
+    -------
+    str or None
+        Such as ``"temp_module"`` of ``"temp_module_2"``; None of any other name, of the
+        usual columns themselves, ``poa_rear`` and names that end with ``_original``.
+    """
     found = TWIN.fullmatch(str(name))
     own = name in (*COLUMNS, REAR)
     if found is None or own or str(name).endswith(ORIGINAL):
@@ -81,18 +94,55 @@ def twin_of(name: Hashable) -> Any:
 
 
 def is_power(name: str) -> bool:
-    """Whether a column is power, by its name."""
+    """
+    Whether a column is power, by its name.
+
+    Parameters
+    ----------
+    name : str
+
+    Returns
+    -------
+    bool
+        True also for ``p_dc_per_area``; False if the name ends with ``_original``.
+    """
     return POWER.fullmatch(str(name)) is not None and not str(name).endswith(ORIGINAL)
 
 
 def known_values(name: str, values: np.ndarray, poa_global: np.ndarray) -> np.ndarray:
-    """Known rows of a column: missing power without light is 0."""
+    """
+    Known rows of a column: missing power without light is 0.
+
+    Parameters
+    ----------
+    name : str
+        Of the column.
+    values, poa_global : array, shape (rows,)
+        In the column's unit, and [W/m²].
+
+    Returns
+    -------
+    array of bool, shape (rows,)
+    """
     known = np.isfinite(values)
     return known | (poa_global <= DAYLIGHT) if name in PLANT_POWER else known
 
 
 def plant_power(record: Any, most: float) -> dict:
-    """Columns of a plant's power that are there by day, which effects may follow."""
+    """
+    Columns of a plant's power that are there by day, which effects may follow.
+
+    Parameters
+    ----------
+    record : Record
+    most : float
+        Share of the rows by day that may have no value. [-]
+
+    Returns
+    -------
+    dict of Series
+        By name, the better column first. [W]
+    """
     found, light = {}, record["poa_global"] > DAYLIGHT
     for name in PLANT_POWER:
         if name in record.inputs.columns and light.any():
@@ -108,22 +158,73 @@ def is_cross_check(name: str) -> bool:
     Whether a column cross-checks an instrument and drives no effect itself.
 
     It measures the same quantity as the instrument, or it is a power.
+
+    Parameters
+    ----------
+    name : str
+
+    Returns
+    -------
+    bool
     """
     return twin_of(name) is not None or (is_power(name) and name != "p_dc_per_area")
 
 
 def printable(text: Any, kept: str = "") -> str:
-    """Text, such as a column's name, that a terminal or a page only shows."""
+    """
+    Text, such as a column's name, that a terminal or a page only shows.
+
+    Parameters
+    ----------
+    text : object
+        Its ``str`` is taken.
+    kept : str, default ""
+        Signs that stay, such as the end of a line.
+
+    Returns
+    -------
+    str
+        Each sign that :func:`steers` is replaced by ``�``.
+    """
     return "".join("�" if steers(c) and c not in kept else c for c in str(text))
 
 
 def steers(sign: str) -> bool:
-    """Whether a sign is none to be read: control, direction, half of a pair."""
+    """
+    Whether a sign is not for reading: control, direction, half of a pair.
+
+    Parameters
+    ----------
+    sign : str
+        One character.
+
+    Returns
+    -------
+    bool
+    """
     return unicodedata.category(sign) in ("Cc", "Cf", "Cs", "Zl", "Zp")
 
 
 def with_aliases(data: pd.DataFrame, needed: Any = COLUMNS) -> dict:
-    """Columns of a frame by the package's names, with those that are needed."""
+    """
+    Columns of a frame by the package's names, with those that are needed.
+
+    Parameters
+    ----------
+    data : DataFrame
+    needed : sequence of str, default COLUMNS
+        Columns that have to be there, by the package's names.
+
+    Returns
+    -------
+    dict of Series
+        All columns of ``data``; those of objects as numbers where all cells are.
+
+    Raises
+    ------
+    ValueError
+        If ``data`` is no DataFrame, a name comes twice or a needed column is not there.
+    """
     if not isinstance(data, pd.DataFrame):
         raise ValueError(
             f"data is a {type(data).__name__}; give a DataFrame with a column of each "
@@ -144,7 +245,21 @@ def with_aliases(data: pd.DataFrame, needed: Any = COLUMNS) -> dict:
 
 
 def of_horizontal(missing: list, columns: dict) -> Iterator:
-    """What a refusal adds where light in the plane can be made of horizontal one."""
+    """
+    What a refusal adds where ``poa_global`` can be made of ``ghi``.
+
+    Parameters
+    ----------
+    missing : list of str
+        Needed columns that are not there.
+    columns : dict
+        Columns that are there, by name.
+
+    Yields
+    ------
+    str or ShellText
+        Parts of :func:`pvlib_fem._spelling.refusal`; none without ``ghi``.
+    """
     if "poa_global" in missing and "ghi" in columns:
         yield "; to make poa_global of ghi, "
         yield TRANSPOSED
@@ -161,15 +276,41 @@ def of_others(missing: list, columns: dict) -> Iterator:
 
 
 def filled_from(name: str) -> Any:
-    """The step by which a second source stands in for the usual one, as text."""
+    """
+    The step by which a second source replaces the usual one, as text.
+
+    Parameters
+    ----------
+    name : str
+        Column of the second source.
+
+    Returns
+    -------
+    ShellText
+    """
     return ShellText(f"fill_record(data, {name!r})", f"--stand-in {name}")
 
 
 def renamed(names: dict | pd.Index | set) -> Any:
     """
-    Names that some columns should have now, to those that they have, with a warning.
+    Old names among some columns, with a warning.
 
     Where the new name is there, too, the old one is a column of the user's own.
+
+    Parameters
+    ----------
+    names : dict, Index or set
+        Names of columns.
+
+    Returns
+    -------
+    dict of str
+        New name to the old one that is there.
+
+    Warns
+    -----
+    FutureWarning
+        For each old name.
     """
     found = {new: old for old, new in RENAMED.items() if old in names}
     found = {new: old for new, old in found.items() if new not in names}
@@ -185,13 +326,47 @@ def renamed(names: dict | pd.Index | set) -> Any:
 
 
 def in_new_names(columns: dict) -> dict:
-    """Columns, or what else is known by column, with those by an old name renamed."""
+    """
+    Columns, or what else is known by column, with those by an old name renamed.
+
+    Parameters
+    ----------
+    columns : dict
+        By name.
+
+    Returns
+    -------
+    dict
+        In the order of ``columns``.
+
+    Warns
+    -----
+    FutureWarning
+        For each old name.
+    """
     new = {old: new for new, old in renamed(columns).items()}
     return {new.get(name, name): value for name, value in columns.items()}
 
 
 def by_own_names(columns: dict) -> Any:
-    """Columns by the package's names, where they are given by another of pvlib's."""
+    """
+    Columns by the package's names, where they are given by another of pvlib's.
+
+    Parameters
+    ----------
+    columns : dict
+        By name.
+
+    Returns
+    -------
+    dict
+        In the order of ``columns``.
+
+    Warns
+    -----
+    FutureWarning
+        For each old name.
+    """
     renamed = in_new_names(columns)
     return {ALIASES.get(name, name): column for name, column in renamed.items()}
 
@@ -207,7 +382,20 @@ def as_numbers(column: pd.Series) -> pd.Series:
 
 
 def of_several(columns: dict | pd.Index) -> tuple:
-    """What a refusal adds where there are module sensors, and none is the usual one."""
+    """
+    What a refusal adds where there are module sensors, and none is the usual one.
+
+    Parameters
+    ----------
+    columns : dict or Index
+        Names of the columns that are there.
+
+    Returns
+    -------
+    tuple of str
+        Parts of :func:`pvlib_fem._spelling.refusal`; empty with ``temp_module``, or
+        fewer than two sensors.
+    """
     sensors = [name for name in columns if twin_of(name) == "temp_module"]
     if "temp_module" in columns or len(sensors) < 2:
         return ()
@@ -215,7 +403,18 @@ def of_several(columns: dict | pd.Index) -> tuple:
 
 
 def numeric(columns: Mapping | pd.DataFrame) -> dict:
-    """Columns that hold numbers, and no infinity."""
+    """
+    Columns that hold numbers, and no infinity.
+
+    Parameters
+    ----------
+    columns : dict of Series or DataFrame
+
+    Returns
+    -------
+    dict of Series
+        By name, in double precision.
+    """
     found = {
         name: column.astype(float)
         for name, column in columns.items()
@@ -295,7 +494,19 @@ def unusable(name: str, column: Any, seen: dict, most_missing: float) -> Because
 
 
 def same(one: np.ndarray, other: np.ndarray) -> bool:
-    """Whether one column is another, but for a factor and an offset."""
+    """
+    Whether one column is a copy of another, but for a factor and an offset.
+
+    Parameters
+    ----------
+    one, other : array, shape (rows,)
+        NaN where missing.
+
+    Returns
+    -------
+    bool
+        False with fewer than three common values, or where one is constant.
+    """
     some = slice(None, None, max(1, len(one) // FEW))
     return alike(one[some], other[some]) and alike(one, other)
 
