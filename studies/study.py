@@ -6,18 +6,14 @@ The truth stays here: the loop gets the columns that a user would have. Run as
 """
 
 import argparse
-import platform
 import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from datetime import date
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import pvlib
-import scipy
 import study_ranges
 import study_worlds
 from study_page import publish
@@ -379,19 +375,15 @@ that came to an end, and records of {days} days and more where effects can be ad
 """
 
 
-def page(table, seconds, day, quick=False):
+def page(table, seconds):
     """The report, as Markdown."""
     seeds = table["seed"]
     yield "# What the loop finds in records whose cause is known"
     yield ""
-    command = "python studies/study.py --quick" if quick else "make study"
     yield (
-        f"Written by `{command}` on {day}: {len(table)} records in "
-        f"{seconds / 60:.0f} min, seeds {seeds.min()} to {seeds.max()}; the loop alone "
-        f"takes {table['seconds'].median():.1f} s (median) and at most "
-        f"{table['seconds'].max():.0f} s. Python {platform.python_version()}, numpy "
-        f"{np.__version__}, scipy {scipy.__version__}, pandas {pd.__version__}, pvlib "
-        f"{pvlib.__version__}."
+        f"{len(table)} records in {seconds / 60:.0f} min, seeds {seeds.min()} to "
+        f"{seeds.max()}. The loop alone takes {table['seconds'].median():.1f} s "
+        f"(median) and at most {table['seconds'].max():.0f} s."
     )
     yield ""
     yield METHOD.format(
@@ -517,7 +509,6 @@ def main():
     parser.add_argument("--family", action="append", choices=list(FAMILIES))
     parser.add_argument("--out", type=Path, help="Markdown; standard output if none")
     parser.add_argument("--table", type=Path, help="all rows, pickled")
-    parser.add_argument("--date", default=date.today().isoformat())
     parser.add_argument("--processes", type=int, default=2)
     shift = "added to all seeds; several make as many draws"
     parser.add_argument("--shift", type=int, nargs="+", default=[0], help=shift)
@@ -534,8 +525,9 @@ def main():
     seconds = time.perf_counter() - begin
     if options.table:
         table.to_pickle(options.table)
-    text = "\n".join(page(table, seconds, options.date, options.quick)) + "\n"
-    publish(text, options.out)
+    text = "\n".join(page(table, seconds))
+    quick = "python studies/study.py --quick"
+    publish(text, options.out, quick if options.quick else "make study")
 
 
 if __name__ == "__main__":

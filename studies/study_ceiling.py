@@ -7,15 +7,11 @@ and every fifth week is left out, as in ``study_measured.py``.
 """
 
 import argparse
-import platform
-from datetime import date
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
-import sklearn
 from pvlib.location import Location
-from study_page import publish
+from study_page import LIBRARIES, publish
 
 import pvlib_fem as fem
 from pvlib_fem._parallel import spread
@@ -26,14 +22,12 @@ EVERY = 5  # weeks, of which one is a test week
 INTRO = """\
 # How much could still be explained
 
-Written by `studies/study_ceiling.py` on {day}, pvlib_fem {version},
-scikit-learn {sklearn}, numpy {numpy}, Python {python}; `make ceiling` makes it again.
-The records are those of {{doc}}`guide/public_records`, each with its location and
+The records are those of {doc}`guide/public_records`, each with its location and
 nothing else. All errors are RMSE [K] on every fifth week, which no fit, decision or
 tree used.
 
 The trees are boosted trees on the same columns, with past values, hour and season, the
-sun's position and the date; {{py:meth}}`loop.ceiling <pvlib_fem.Loop.ceiling>`
+sun's position and the date; {py:meth}`loop.ceiling <pvlib_fem.Loop.ceiling>`
 describes their training. The *share closed* refers to the squared error that the trees
 explain.
 
@@ -82,15 +76,9 @@ of the loop.
 """
 
 
-def page(found, others, day):
+def page(found, others):
     """All tables, as Markdown."""
-    yield INTRO.format(
-        day=day,
-        version=fem.__version__,
-        sklearn=sklearn.__version__,
-        numpy=np.__version__,
-        python=platform.python_version(),
-    ).rstrip()
+    yield INTRO.rstrip()
     for name, one in found.items():
         errors = one.paper, one.causes, one.loop, one.trees
         cells = " | ".join(f"{error:.2f}" for error in errors)
@@ -125,7 +113,6 @@ def without(ceiling, group):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, help="Markdown; standard output if none")
-    parser.add_argument("--date", default=date.today().isoformat())
     parser.add_argument("--processes", type=int, default=2)
     options = parser.parse_args()
     tasks = [(name,) for name in YEARS]
@@ -134,8 +121,9 @@ def main():
     others = dict(zip(YEARS, (rows for _, rows in both)))
     for one in found.values():
         print(one)
-    text = "\n".join(page(found, others, options.date))
-    publish(text, options.out)
+    text = "\n".join(page(found, others))
+    libraries = (*LIBRARIES, "scikit-learn")
+    publish(text, options.out, "make ceiling", libraries)
 
 
 if __name__ == "__main__":

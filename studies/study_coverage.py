@@ -9,7 +9,6 @@ record is a made-up weather of its own, and a module whose coefficients are draw
 import argparse
 import sys
 import time
-from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -134,12 +133,12 @@ def run(records, shift, processes):
 INTRO = """\
 # How often an interval holds the truth
 
-Written by `studies/study_coverage.py --records {records}` on {day}, from seed {low} on;
-`make coverage` takes 300. Each record is a weather of its own (`datasets.synthetic`)
-and, for each steady model and dynamics, a module whose coefficients are drawn about the
-sites of the paper, with an error of the sensor of {noise:g} K that stays for half an
-hour. `fit_fem` sees it as it sees any record. The tables have the share of 95 %
-intervals (`fit.confidence_interval()`) that hold the true coefficient. If it is 95 %,
+{records} records from seed {low} on. Each record is a weather of its own
+(`datasets.synthetic`) and, for each steady model and dynamics, a module whose
+coefficients are drawn about the sites of the paper, with an error of the sensor of
+{noise:g} K that stays for half an hour. `fit_fem` sees it as it sees any record. The
+tables have the share of 95 % intervals (`fit.confidence_interval()`) that hold the true
+coefficient. If it is 95 %,
 19 of 20 shares of {records} records are from {least:.1f} to {most:.1f} %, and the
 lowest of the {cells} of a table is near {tail:.1f} %.
 """
@@ -164,7 +163,7 @@ def share(part, what="held"):
     return f"{100 * part[what].mean():.1f}" if len(part) else "–"
 
 
-def page(table, records, shift, day):
+def page(table, records, shift):
     """The tables, as Markdown."""
     slow, table = table[table["lasts"] != ""], table[table["lasts"] == ""]
     known = table[table["known"]]
@@ -173,7 +172,6 @@ def page(table, records, shift, day):
     cells = known[known["case"] == one].groupby(keys).ngroups
     spread = 100 * np.sqrt(0.95 * 0.05 / records)
     yield INTRO.format(
-        day=day,
         records=records,
         low=shift,
         noise=NOISE,
@@ -233,13 +231,12 @@ def main():
     parser.add_argument("--records", type=int, default=300)
     parser.add_argument("--shift", type=int, default=0, help="the first seed")
     parser.add_argument("--out", type=Path, help="Markdown; standard output if none")
-    parser.add_argument("--date", default=date.today().isoformat())
     parser.add_argument("--processes", type=int, default=2)
     options = parser.parse_args()
     table = run(options.records, options.shift, options.processes)
-    lines = page(table, options.records, options.shift, options.date)
+    lines = page(table, options.records, options.shift)
     text = "\n".join(lines)
-    publish(text, options.out)
+    publish(text, options.out, "make coverage")
 
 
 if __name__ == "__main__":

@@ -10,12 +10,10 @@ the wheel of pvanalytics. Without them the page says how to get the data.
 
 import argparse
 import io
-import platform
 import time
 import warnings
 import zipfile
 from dataclasses import dataclass
-from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -43,10 +41,7 @@ MATERIAL = 0.25  # from which a step is called large
 INTRO = """\
 # Single checks on the benchmarks of others
 
-Written by `studies/study_detectors.py` on {day}: pvlib_fem {version},
-pvlib {pvlib}, numpy {numpy}, pandas {pandas}, Python {python}.
-`make detectors` makes it again.
-{{doc}}`guide/detectors` has the functions.
+{doc}`guide/detectors` has the functions.
 """
 LACKS = """
 The data of time shifts are not on this disk. Get them with
@@ -295,14 +290,9 @@ def line(name, some):
     )
 
 
-def page(folder, wheel, day):
+def page(folder, wheel):
     """The page, as Markdown."""
-    yield INTRO.format(
-        day=day,
-        version=fem.__version__,
-        python=platform.python_version(),
-        **{m: __import__(m).__version__ for m in ("pvlib", "numpy", "pandas")},
-    ).rstrip()
+    yield INTRO.rstrip()
     if folder is None or not (folder / "data" / "file_metadata.csv").is_file():
         yield LACKS.rstrip()
     else:
@@ -318,11 +308,10 @@ def main():
     parser.add_argument("--hub", type=Path, help="a clone of the hub's repository")
     parser.add_argument("--wheel", type=Path, help="the wheel of pvanalytics")
     parser.add_argument("--out", type=Path, help="Markdown; standard output if none")
-    parser.add_argument("--date", default=date.today().isoformat())
     options = parser.parse_args()
     warnings.simplefilter("ignore")  # of pandas, by dates of the hub's files
-    text = "\n".join(page(options.hub, options.wheel, options.date))
-    publish(text, options.out)
+    text = "\n".join(page(options.hub, options.wheel))
+    publish(text, options.out, "make detectors")
 
 
 if __name__ == "__main__":

@@ -9,7 +9,6 @@ into the irradiance, on drawn days of each record (:func:`pvlib_fem.recover_even
 
 import argparse
 from dataclasses import replace
-from datetime import date
 from pathlib import Path
 from unittest import mock
 
@@ -35,7 +34,7 @@ YEAR = 365.25
 INTRO = """\
 # Outages and covers that are found
 
-Written by `make study-events` on {day}. {{doc}}`guide/recovery` has the method: events
+{{doc}}`guide/recovery` has the method: events
 of known size are put into a measured record on drawn days, and the loop looks for them.
 Each has {size:g} K over {hours} h of light. *Even covers* take as much power as light,
 the others its square. No rule was made on these days.
@@ -137,7 +136,7 @@ def counted(rows):
 def page(tables, noises, rates, nulls, given):
     """The page, as Markdown."""
     how = dict(size=given.size, hours=given.hours)
-    yield INTRO.format(day=date.today().isoformat(), **how).rstrip("\n")
+    yield INTRO.format(**how).rstrip("\n")
     yield ""
     head = ("record", *(f"`{kind}`" for kind in KINDS), "of these, even covers", "all")
     yield f"| {' | '.join([*head, f'bar: {FOUND:.0%}'])} |"
@@ -181,7 +180,7 @@ def main():
         noises[name] = noise_of(*hours, given.hours)
         rates[name] = false_per_year(*hours)
     lines = page(tables, noises, rates, [*in_nulls()], given)
-    publish("\n".join(lines) + "\n", given.out)
+    publish("\n".join(lines), given.out, "make study-events")
 
 
 if __name__ == "__main__":

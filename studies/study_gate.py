@@ -10,15 +10,14 @@ where the oracle's rows are those of ``studies/study_oracle.py``.
 """
 
 import argparse
-import sys
 from collections import defaultdict
 from dataclasses import dataclass
-from datetime import date
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import study_instruments
+from study_page import publish
 from study_worlds import CLOSED, CLOSED_CAUSES, IN_PHYSICS, UNDECLARED, UNKNOWN
 
 from pvlib_fem._findings import OUTSIDE
@@ -40,7 +39,6 @@ The simulator has {kinds} kinds of causes outside the catalogue.
 {open} are open, and {closed} are closed: nobody sees the findings for these
 before the gate is measured.
 
-Made by `make gate` on {day}.
 The loop takes {seconds}.{rules}
 
 | gate | asked | measured | met |
@@ -280,7 +278,7 @@ def time_of(table, rules=None):
     )
 
 
-def page(table, changes, oracle=None, day=""):
+def page(table, changes, oracle=None):
     """The page, as Markdown."""
     rows = [*gates(table, changes)]
     if oracle is not None:
@@ -288,7 +286,6 @@ def page(table, changes, oracle=None, day=""):
     yield INTRO.format(
         study=len(table),
         instruments=len(changes),
-        day=day,
         kinds=len(UNKNOWN),
         open=len(UNDECLARED),
         closed=len(CLOSED),
@@ -319,12 +316,8 @@ def main():
     options = parser.parse_args()
     oracle = loaded(*options.oracle) if options.oracle else None
     some = loaded(options.study, options.instruments)
-    lines = page(*some, oracle=oracle, day=date.today().isoformat())
-    text = "\n".join(lines) + "\n"
-    if options.out is None:
-        sys.stdout.write(text)
-    else:
-        options.out.write_text(text, encoding="utf-8")
+    text = "\n".join(page(*some, oracle=oracle))
+    publish(text, options.out, "make gate")
 
 
 if __name__ == "__main__":

@@ -8,12 +8,12 @@ part in it. Run as
 """
 
 import argparse
-from datetime import date
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import study_ranges
+from study_page import publish
 from study_records import refit, root, sets, smallest
 from study_worlds import (
     CLEARLY,
@@ -242,13 +242,12 @@ def page(table, first):
     yield "# Findings for sensors and mountings that change"
     yield ""
     yield (
-        f"Written by `studies/study_instruments.py` on {date.today()}: {len(table)} "
-        f"simulated records of one or two years at 15 min from seed {first} on, with "
-        "full physics. One sensor or mounting has a step, a trend or a temporary "
-        "change, or none does. The change is made in the columns. Half have power. A "
-        "change is *clear* if its own terms reduce the error of the test weeks by "
-        "twice the minimum that is detectable in the same record without it, as in "
-        "{doc}`study`."
+        f"{len(table)} simulated records of one or two years at 15 min from seed "
+        f"{first} on, with full physics. One sensor or mounting has a step, a trend or "
+        "a temporary change, or none does. The change is made in the columns. Half "
+        "have power. A change is *clear* if its own terms reduce the error of the test "
+        "weeks by twice the minimum that is detectable in the same record without it, "
+        "as in {doc}`study`."
     )
     yield ""
     yield "| what | share |"
@@ -301,7 +300,5 @@ if __name__ == "__main__":
     found = run(given.records, given.seed, given.processes)
     if given.table:
         found.to_pickle(given.table)
-    text = "\n".join(page(found, given.seed)) + "\n"
-    print(text)
-    if given.out:
-        given.out.write_text(text, encoding="utf-8")
+    text = "\n".join(page(found, given.seed))
+    publish(text, given.out, "make study-instruments")

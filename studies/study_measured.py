@@ -10,7 +10,6 @@ import argparse
 import sys
 import time
 from dataclasses import dataclass
-from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -113,7 +112,6 @@ def run(draws, processes):
 INTRO = """\
 # What the loop says of measured records, drawn ten times
 
-Written by `studies/study_measured.py` on {day}; `make study-measured` makes it again.
 The records are those of {{doc}}`guide/public_records`, each with its location and its
 zone and nothing else. No log of either plant is published, so this page cannot show
 whether a finding is *right*. It shows whether the same record gives the same findings
@@ -126,9 +124,9 @@ requirement is nine of ten draws.
 """
 
 
-def page(found, day):
+def page(found):
     """All tables, as Markdown."""
-    yield INTRO.format(day=day)
+    yield INTRO
     for name in YEARS:
         yield from record_page(name, *found[name])
     yield "## A week and a day\n"
@@ -251,12 +249,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--draws", type=int, default=10)
     parser.add_argument("--out", type=Path, help="Markdown; standard output if none")
-    parser.add_argument("--date", default=date.today().isoformat())
     parser.add_argument("--processes", type=int, default=2)
     options = parser.parse_args()
     found = run(options.draws, options.processes)
-    text = "\n".join(page(found, options.date))
-    publish(text, options.out)
+    text = "\n".join(page(found))
+    publish(text, options.out, "make study-measured")
 
 
 if __name__ == "__main__":

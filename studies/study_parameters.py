@@ -13,7 +13,6 @@ import argparse
 import sys
 import time
 from dataclasses import replace
-from datetime import date
 from functools import cache
 from pathlib import Path
 
@@ -139,9 +138,9 @@ def run(worlds, shift, processes):
 INTRO = """\
 # How often a thermal parameter's range holds the truth
 
-Written by `studies/study_parameters.py --worlds {worlds}` on {day}, from seed {low} on;
-`make parameters` takes 100. Each world has its own weather (`datasets.synthetic`) and
-three modules. Their sensors have an error of {noise:g} K that stays for half an hour.
+{worlds} worlds from seed {low} on. Each world has its own weather
+(`datasets.synthetic`) and three modules. Their sensors have an error of {noise:g} K
+that stays for half an hour.
 
 * The first has one of seven steady models with `balance` or `ewm` and is measured for
   {days} days at {step} s. The truth of a parameter follows from the true coefficients
@@ -162,13 +161,12 @@ of these modules.
 |---|---|---|---|"""
 
 
-def page(table, worlds, shift, day):
+def page(table, worlds, shift):
     """The table, as Markdown."""
     reach = 196 * np.sqrt(0.95 * 0.05 / worlds)
     yield INTRO.format(
         worlds=worlds,
         noise=NOISE,
-        day=day,
         low=shift,
         days=DAYS,
         step=STEP,
@@ -201,13 +199,12 @@ def main():
     parser.add_argument("--worlds", type=int, default=WORLDS)
     parser.add_argument("--shift", type=int, default=0, help="the first seed")
     parser.add_argument("--out", type=Path, help="Markdown; standard output if none")
-    parser.add_argument("--date", default=date.today().isoformat())
     parser.add_argument("--processes", type=int, default=2)
     options = parser.parse_args()
     table = run(options.worlds, options.shift, options.processes)
-    lines = page(table, options.worlds, options.shift, options.date)
+    lines = page(table, options.worlds, options.shift)
     text = "\n".join(lines)
-    publish(text, options.out)
+    publish(text, options.out, "make parameters")
 
 
 if __name__ == "__main__":

@@ -9,7 +9,6 @@ where a run goes on that was interrupted.
 """
 
 import argparse
-from datetime import date
 from pathlib import Path
 
 import pandas as pd
@@ -28,10 +27,9 @@ COVER, WIDE = 0.9, 3.0  # and those of ranges
 INTRO = """\
 # What would be found at two measured plants
 
-Written by `studies/study_recovery.py` on {day}; `make recovery` makes it again. The
-records are those of {{doc}}`guide/public_records`, and {{doc}}`guide/recovery` says how
-effects are put into them: {injections} in all, {sizes} times the size from which each
-should be found, each instrument along each course, at {draws}.
+The records are those of {{doc}}`guide/public_records`, and {{doc}}`guide/recovery` says
+how effects are put into them: {injections} in all, {sizes} times the size from which
+each should be found, each sensor fault with each time profile, at {draws}.
 
 | bar | share | met |
 |---|---|---|
@@ -71,7 +69,7 @@ def share(flags):
     return f"{int(flags.sum())} of {len(flags)} ({flags.mean():.1%})"
 
 
-def page(found, draws, day):
+def page(found, draws):
     """The page, as Markdown."""
     table = pd.concat([one.table for one in found.values()])
     half = pd.concat([one.half for one in found.values()])
@@ -85,7 +83,6 @@ def page(found, draws, day):
         table["multiple"].to_numpy(float), table["found"].to_numpy(bool)
     )
     yield INTRO.format(
-        day=day,
         injections=len(table),
         sizes=", ".join(f"{size:g}" for size in SIZES),
         draws="a drawn date" if draws == 1 else f"{draws} drawn dates each",
@@ -117,7 +114,7 @@ def page(found, draws, day):
         yield "```text"
         yield from lines(one)
         yield "```\n"
-        yield "| told without the truth | times | of |"
+        yield "| reported without the truth | times | in records with |"
         yield "|---|---|---|"
         yield from mistaken(one.table)
         yield ""
@@ -153,11 +150,10 @@ def main():
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--folder", type=Path, default=Path("docs/_build"))
     parser.add_argument("--out", type=Path, help="Markdown; standard output if none")
-    parser.add_argument("--date", default=date.today().isoformat())
     options = parser.parse_args()
     how = (options.draws, options.processes, options.folder, options.effects)
-    text = "\n".join(page(run(*how), options.draws, options.date))
-    publish(text, options.out)
+    text = "\n".join(page(run(*how), options.draws))
+    publish(text, options.out, "make recovery")
 
 
 if __name__ == "__main__":

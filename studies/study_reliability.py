@@ -10,7 +10,6 @@ on that was interrupted. ``--sizes`` without a number puts nothing in.
 
 import argparse
 from dataclasses import replace
-from datetime import date
 from pathlib import Path
 
 import pandas as pd
@@ -28,11 +27,10 @@ SIZES = (1.5,)  # times the predicted one
 INTRO = """\
 # Completeness and reliability at two measured plants
 
-Written by `studies/study_reliability.py` on {day}, pvlib_fem
-{version}; `make reliability` makes it again. The records are those of
+The records are those of
 {{doc}}`guide/public_records`, each with its location. {{doc}}`guide/recovery` says what
 both numbers are. Completeness is of effects put in at {clearly:g} times the size from
-which each should be found, each instrument along each course, at a drawn date.
+which each should be found, each sensor fault with each time profile, at a drawn date.
 Reliability is of {trials} scrambled records of each kind. Intervals hold 90 %.
 
 | record | found | false names | false classes | records |
@@ -64,9 +62,9 @@ def recovered(name, processes, path, how):
     return fem.recover_effects(data, **how)
 
 
-def page(found, trials, day):
+def page(found, trials):
     """The page, as Markdown."""
-    how = dict(day=day, version=fem.__version__, clearly=CLEARLY, trials=trials)
+    how = dict(clearly=CLEARLY, trials=trials)
     yield INTRO.format(**how).rstrip()
     for name, one in found.items():
         clear = one.table["found"][one.table["multiple"] >= CLEARLY - 1e-9]
@@ -117,12 +115,11 @@ def main():
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--folder", type=Path, default=Path("docs/_build"))
     parser.add_argument("--out", type=Path, help="Markdown; standard output if none")
-    parser.add_argument("--date", default=date.today().isoformat())
     options = parser.parse_args()
     how = (tuple(options.sizes), options.processes, options.folder)
     found = run(options.trials, *how)
-    text = "\n".join(page(found, options.trials, options.date))
-    publish(text, options.out)
+    text = "\n".join(page(found, options.trials))
+    publish(text, options.out, "make reliability")
 
 
 if __name__ == "__main__":

@@ -7,9 +7,7 @@ One family of the study on a page of its own. Run as
 """
 
 import argparse
-import subprocess
 import time
-from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +15,7 @@ import pandas as pd
 import study_ranges
 from study import BARS, done, misses, run
 from study_gate import judged
+from study_page import publish
 from study_worlds import TRACKERS
 
 from pvlib_fem.effects._time_profiles import number
@@ -27,7 +26,7 @@ WRONG, MISLED = 0.003, 0.03  # most records with a wrong name, sets without the 
 INTRO = """\
 # What the loop finds in records of single-axis trackers
 
-Written by `make study-trackers` on {day} with version {version}: {count} records in
+{count} records in
 {minutes:.0f} min, shifts {shifts} of all seeds.
 
 {{doc}}`study` has the method. Here each site has a tracker: an axis within 20° of
@@ -139,11 +138,9 @@ def apart(one, other):
     return float(np.degrees(np.arccos(np.clip(np.dot(*ways), -1.0, 1.0))))
 
 
-def page(table, seconds, shifts, version):
+def page(table, seconds, shifts):
     """The page, as Markdown."""
     yield INTRO.format(
-        day=date.today().isoformat(),
-        version=version,
         count=len(table),
         minutes=seconds / 60,
         shifts=" and ".join(map(str, shifts)),
@@ -182,8 +179,6 @@ def main():
     parser.add_argument("--out", type=Path, help="Markdown; standard output if none")
     given = parser.parse_args()
     begin = time.perf_counter()
-    how = ["git", "rev-parse", "--short", "HEAD"]
-    version = subprocess.run(how, capture_output=True, text=True, check=True).stdout
     if given.read:
         parts = [pd.read_pickle(path) for path in given.read]
         table = pd.concat(parts, ignore_index=True)
@@ -194,11 +189,8 @@ def main():
     if given.table:
         table.to_pickle(given.table)
     seconds = table.attrs.get("seconds", 0.0)
-    text = "\n".join(page(table, seconds, given.shifts, version.strip())) + "\n"
-    if given.out:
-        given.out.write_text(text, encoding="utf-8")
-    else:
-        print(text)
+    text = "\n".join(page(table, seconds, given.shifts))
+    publish(text, given.out, "make study-trackers")
 
 
 if __name__ == "__main__":

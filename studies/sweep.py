@@ -10,7 +10,6 @@ import argparse
 import sys
 import time
 from dataclasses import dataclass, fields, replace
-from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -312,7 +311,7 @@ def cells(row):
 INTRO = """\
 # What each criterion does
 
-Written by `make sweep` on {day}: every field of {{py:class}}`pvlib_fem.Criteria`
+Every field of {{py:class}}`pvlib_fem.Criteria`
 halved and doubled alone (a share at most 0.99, a whole number at least 1), over {count}
 records of the study, seeds {low} to {high}; {minutes:.0f} min. By the usual criteria
 {found} of {asked} truths are found, with {wrong} wrong names and {misled} ambiguous
@@ -325,13 +324,12 @@ the error on test weeks. A dot means that nothing changes in these records.
 """
 
 
-def page(table, seconds, day):
+def page(table, seconds):
     """The table, as Markdown."""
     if "broken" not in table:
         table["broken"] = None
     usual = table[table["name"] == ""]
     yield INTRO.format(
-        day=day,
         count=len(usual),
         low=table["seed"].min(),
         high=table["seed"].max(),
@@ -370,17 +368,17 @@ HEAD = "## Sensors and clocks"
 LIMITS = """
 {head}
 
-On {day} every field of `quality.Limits` was halved and doubled for {count}
+Every field of `quality.Limits` was halved and doubled for {count}
 records: faults of clocks and loggers of the study, sound records, and records with
 traps for the loop. The checks come before any fit. A cell has the number of records
 with other faults, or, if there are none, with the same faults in other numbers.
 """
 
 
-def page_of_limits(table, day):
+def page_of_limits(table):
     """The table of what is checked before any fit."""
     usual = table[table["name"] == ""]
-    yield LIMITS.format(head=HEAD, count=len(usual), day=day)
+    yield LIMITS.format(head=HEAD, count=len(usual))
     yield "| limit | usual | halved | doubled |"
     yield "|---|---|---|---|"
     idle = []
@@ -405,27 +403,21 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, help="Markdown; standard output if none")
     parser.add_argument("--table", type=Path, help="all rows, pickled")
-    parser.add_argument("--date", default=date.today().isoformat())
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--criteria", nargs="*", default=(), help="these alone")
-    parser.add_argument(
-        "--limits", action="store_true", help="limits alone; the rest of --out stays"
-    )
+    parser.add_argument("--limits", action="store_true", help="limits alone")
     options = parser.parse_args()
     begin, lines = time.perf_counter(), []
     if not options.limits:
         table = run(swept, records(), options.processes, (options.criteria,))
         if options.table:
             table.to_pickle(options.table)
-        lines += page(table, time.perf_counter() - begin, options.date)
-    elif options.out:
-        before = options.out.read_text(encoding="utf-8").partition(f"\n{HEAD}")[0]
-        lines.append(before.rstrip("\n"))
+        lines += page(table, time.perf_counter() - begin)
     if not options.criteria:
         limits = run(looked_at, instruments(), options.processes)
-        lines += page_of_limits(limits, options.date)
+        lines += page_of_limits(limits)
     text = "\n".join(lines) + "\n"
-    publish(text, options.out)
+    publish(text, options.out, "" if options.limits else "make sweep")
 
 
 if __name__ == "__main__":

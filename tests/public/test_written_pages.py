@@ -12,14 +12,18 @@ PAGES = {
     "study_ceiling": "ceiling",
     "study_coverage": "coverage",
     "study_detectors": "detectors",
+    "study_events": "study_events",
     "study_gate": "gate",
     "study_measured": "study_measured",
     "study_parameters": "study_parameters",
     "study_recovery": "study_recovery",
+    "study_reliability": "study_reliability",
+    "study_trackers": "study_trackers",
     "sweep": "sensitivity",
 }
 TEXTS = ("INTRO", "METHOD", "RULES", "APART", "OUTRO", "WITHOUT", "LASTING", "LIMITS")
-TEXTS += ("SHIFTS", "QUOTED", "DATA", "PUT_IN", "TOTAL")
+TEXTS += ("SHIFTS", "QUOTED", "DATA", "PUT_IN", "TOTAL", "EDGES")
+MADE = r"^Made by `make ([a-z-]+)` on \d{4}-\d\d-\d\d: pvlib_fem at commit [0-9a-f]{7}[,.]$"
 
 
 def joined(text):
@@ -36,8 +40,27 @@ def pieces(template):
 @pytest.mark.parametrize(("script", "page"), PAGES.items())
 def test_a_page_has_the_sentences_of_its_script(script, page):
     module = importlib.import_module(script)
-    texts = [getattr(module, name) for name in TEXTS if hasattr(module, name)]
+    texts = [getattr(module, name, None) for name in TEXTS]
+    texts = [text for text in texts if isinstance(text, str)]
     assert texts
     shown = joined((DOCS / f"{page}.md").read_text("utf-8"))
     for text in texts:
         assert [piece for piece in pieces(text) if piece not in shown] == []
+
+
+@pytest.mark.parametrize("page", [*PAGES.values(), "study_instruments"])
+def test_a_page_says_when_and_with_which_version_it_was_made(page):
+    lines = (DOCS / f"{page}.md").read_text("utf-8").splitlines()
+    made = [match for line in lines if (match := re.match(MADE, line))]
+    assert len(made) == 1
+    makefile = (DOCS.parent / "Makefile").read_text("utf-8")
+    assert f"\n{made[0][1]}:" in makefile
+
+
+def test_a_study_writes_that_line_after_the_title(tmp_path):
+    path = tmp_path / "page.md"
+    importlib.import_module("study_page").publish("# Title\n\nText.", path, "make gate")
+    title, gap, made, versions, *rest = path.read_text("utf-8").splitlines()
+    assert (title, gap, rest) == ("# Title", "", ["", "Text."])
+    assert re.match(MADE, made)
+    assert versions.startswith("pvlib ") and "numpy " in versions

@@ -124,7 +124,7 @@ def test_records_are_paired_with_those_of_the_rules():
 def test_the_page_has_a_row_for_each_gate():
     table = pd.DataFrame([record(sets=[SNOW], sizes=("snow",), truths=("snow",))])
     some = table, [change(1)]
-    text = "\n".join(page(*some, oracle=some, day="today"))
+    text = "\n".join(page(*some, oracle=some))
     rows = [*gates(*some), *against(*some, *some)]
     assert rows
     for row in rows:

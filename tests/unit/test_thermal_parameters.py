@@ -546,7 +546,7 @@ def test_ranges_hold_the_truth_of_worlds():
     table = pd.DataFrame(rows)
     assert table["held"].mean() >= 0.85
     assert table.groupby("convention")["held"].mean().min() > 0.6
-    text = "\n".join(study_page(table, 7, 0, "today"))
+    text = "\n".join(study_page(table, 7, 0))
     assert f"{100 * table['held'].mean():.1f} % of {len(table)} ranges" in text
 
 
