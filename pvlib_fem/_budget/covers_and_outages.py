@@ -127,8 +127,14 @@ def found_in(hours: Hours, spread: float, total: float, shares: dict) -> pd.Data
         Spread of the relation of power to irradiance. [-]
     total : float
         Sum of squares for the shares. [K²]
-    shares : dict
-        Coefficients of the effects in the model.
+    shares : dict of float
+        Coefficient of each effect in the model by its name; defaults for other effects.
+        [-]
+
+    Returns
+    -------
+    DataFrame
+        See :func:`event_table`, the largest share first.
     """
     if len(hours.number) < 2 * FEWEST:
         return event_table([], hours.extra)
@@ -285,7 +291,23 @@ def rows_of(hours: Hours, ends: list, kinds: np.ndarray, total: float) -> list:
 
 
 def event_table(rows: list, extra: Sequence | dict = ()) -> pd.DataFrame:
-    """Events as a table."""
+    """
+    Events as a table.
+
+    Parameters
+    ----------
+    rows : list of dict
+        An event each, with all columns of the table.
+    extra : collection of str, optional
+        Further columns.
+
+    Returns
+    -------
+    DataFrame
+        ``effect``, ``start``, ``end``, ``hours``, ``size`` (mean residual) [K],
+        ``share`` of the squared residual [-], ``power`` over that expected [-],
+        ``temp_air`` [°C] and ``extra``.
+    """
     names = [*COLUMNS, *(name for name in extra if name not in COLUMNS)]
     table = pd.DataFrame(rows, columns=names)
     numbers = {name: float for name in names if name not in COLUMNS[:4]}
@@ -293,7 +315,18 @@ def event_table(rows: list, extra: Sequence | dict = ()) -> pd.DataFrame:
 
 
 def event_rows(table: pd.DataFrame) -> list:
-    """Rows of a table of events for a file, with times in UTC and the zone."""
+    """
+    Rows of a table of events for a file, with times in UTC and the zone.
+
+    Parameters
+    ----------
+    table : DataFrame
+        From :func:`event_table`.
+
+    Returns
+    -------
+    list of dict
+    """
     rows = table.to_dict(orient="records")
     for row in rows:
         row["zone"] = str(row["start"].tz or "")
@@ -306,7 +339,19 @@ def as_utc(time: Any) -> Any:
 
 
 def events_from(parts: list) -> pd.DataFrame:
-    """Events of parts of a file."""
+    """
+    Events of parts of a file.
+
+    Parameters
+    ----------
+    parts : list of Stored
+        From :func:`event_rows`, an event each.
+
+    Returns
+    -------
+    DataFrame
+        See :func:`event_table`.
+    """
     extra = dict.fromkeys(name for part in parts for name in part.content)
     extra = [name for name in extra if name not in (*COLUMNS, "zone")]
     return event_table([event_from(part, extra) for part in parts], extra)

@@ -42,6 +42,16 @@ def episodes_of(case: Any, step: Any) -> pd.DataFrame:
     Stretches of days with an unusual residual of a step, as a table.
 
     All weeks are searched, because episodes are only reported and decide nothing.
+
+    Parameters
+    ----------
+    case : Case
+    step : Step
+
+    Returns
+    -------
+    DataFrame
+        See :func:`episode_table`, the largest share first.
     """
     residual = step.measured - step.temperature
     rows = case.seen & np.isfinite(residual)
@@ -73,7 +83,19 @@ def written(date: int) -> str:
 
 
 def episode_table(rows: list) -> pd.DataFrame:
-    """Episodes as a table."""
+    """
+    Episodes as a table.
+
+    Parameters
+    ----------
+    rows : list of EpisodeRow
+
+    Returns
+    -------
+    DataFrame
+        ``start`` and ``end``, the last day; number of ``days``; mean residual by
+        ``day`` and by ``night`` [K]; ``share`` of the squared residual [-].
+    """
     table = pd.DataFrame(rows, columns=[*EpisodeRow.__annotations__])
     dates = {name: pd.to_datetime(table[name]) for name in ("start", "end")}
     kinds = {"days": int, "day": float, "night": float, "share": float}
@@ -81,7 +103,19 @@ def episode_table(rows: list) -> pd.DataFrame:
 
 
 def episode_rows(table: pd.DataFrame) -> list:
-    """The table of episodes as rows of a file."""
+    """
+    The table of episodes as rows of a file.
+
+    Parameters
+    ----------
+    table : DataFrame
+        From :func:`episode_table`.
+
+    Returns
+    -------
+    list of dict
+        See :class:`EpisodeRow`.
+    """
     dates = {name: table[name].dt.strftime("%Y-%m-%d") for name in ("start", "end")}
     return table.assign(**dates).to_dict(orient="records")
 
@@ -100,6 +134,25 @@ def budget_of(
     The budget is of the test weeks, or of the fitting weeks without test weeks, on rows
     that all steps know. It adds up: the reductions by the steps of the path, unusual
     days, and the time scales of all other days.
+
+    Parameters
+    ----------
+    case : Case
+    steps : dict of Step
+        All steps of the search by name.
+    path : list of str
+        Names of the steps of the budget in order, the steady model first.
+    table : DataFrame
+        ``rmse_test`` and ``rmse_train`` by name of the step. [K]
+    findings : list of Finding
+        Of these, unexplained patterns have rows of their own.
+    stretches : DataFrame
+        From :func:`episodes_of`, of the last step.
+
+    Returns
+    -------
+    DataFrame
+        See :func:`budget_table`.
     """
     weeks, residual, rows = budget_weeks(case, steps, steps[path[-1]])
     squares = table.loc[path, ENDINGS[weeks]] ** 2
@@ -165,7 +218,20 @@ def within(dates: np.ndarray, stretches: pd.DataFrame) -> np.ndarray:
 
 
 def budget_table(rows: list) -> pd.DataFrame:
-    """An error budget as a table."""
+    """
+    An error budget as a table.
+
+    Parameters
+    ----------
+    rows : list of BudgetRow
+        The first is the steady model.
+
+    Returns
+    -------
+    DataFrame
+        By ``part``: ``kind``, ``mean_square`` [K²], its root with its sign ``error``
+        [K], its ``share`` of the first row [-], and ``weeks``.
+    """
     table = pd.DataFrame(rows).set_index("part")
     square = table["mean_square"]
     error = np.sign(square) * np.sqrt(square.abs())
@@ -173,5 +239,17 @@ def budget_table(rows: list) -> pd.DataFrame:
 
 
 def budget_rows(table: pd.DataFrame) -> list:
-    """The budget as rows of a file, without derived columns."""
+    """
+    The budget as rows of a file, without derived columns.
+
+    Parameters
+    ----------
+    table : DataFrame
+        From :func:`budget_table`.
+
+    Returns
+    -------
+    list of dict
+        See :class:`BudgetRow`.
+    """
     return table[["kind", "mean_square", "weeks"]].reset_index().to_dict("records")

@@ -21,10 +21,24 @@ PAST, CLOCK, DATE = "past values", "hour and season", "date"
 
 def features(record: Record, loop: Any, rows: np.ndarray) -> tuple[dict, dict]:
     """
-    What trees know of some rows, and the names of each group.
+    Columns of the trees on some rows, and the names of each group.
 
-    No column that is the module's temperature: neither that itself, nor what a second
-    sensor reads of it, nor what the loop found to be made from it.
+    No column is the module's temperature: neither that itself, nor a second sensor of
+    it, nor a column that the loop found to be made from it.
+
+    Parameters
+    ----------
+    record : Record
+    loop : Loop
+        For its location, and for columns that are made from the temperature.
+    rows : array of int, shape (rows,)
+        Positions in the record.
+
+    Returns
+    -------
+    columns : dict of array, shape (rows,)
+    groups : dict of set of str
+        Names of columns by group; the usual columns are in none.
     """
     leaks = {
         why.values["column"]

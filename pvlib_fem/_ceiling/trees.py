@@ -19,7 +19,25 @@ HOW: dict[str, Any] = dict(learning_rate=0.1, early_stopping=False, random_state
 
 
 def ceiling_of(loop: Any) -> Ceiling:
-    """The ceiling of a loop that has its rows, see :meth:`pvlib_fem.Loop.ceiling`."""
+    """
+    The ceiling of a loop that has its rows, see :meth:`pvlib_fem.Loop.ceiling`.
+
+    Parameters
+    ----------
+    loop : Loop
+
+    Returns
+    -------
+    Ceiling
+
+    Raises
+    ------
+    ImportError
+        If scikit-learn is missing.
+    ValueError
+        If the loop was read from a file, has no test weeks, or less than 10 fitting
+        days.
+    """
     record, residual = loop.fit.record, loop.fit.residual
     if record is None:
         raise ValueError(
@@ -62,7 +80,18 @@ def ceiling_of(loop: Any) -> Ceiling:
 
 
 def regressor() -> type:
-    """scikit-learn's trees."""
+    """
+    Class of scikit-learn's trees, imported when it is needed.
+
+    Returns
+    -------
+    type
+
+    Raises
+    ------
+    ImportError
+        If scikit-learn is missing.
+    """
     try:
         from sklearn.ensemble import HistGradientBoostingRegressor
     except ImportError as error:

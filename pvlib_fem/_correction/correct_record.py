@@ -22,7 +22,29 @@ from pvlib_fem._record.column_names import (
 def corrected_record(
     loop: Any, data: pd.DataFrame, resolve: Any = ()
 ) -> CorrectedRecord:
-    """The record of :meth:`pvlib_fem.Loop.corrected`."""
+    """
+    A record without the instrument faults that a loop found in it.
+
+    See :meth:`pvlib_fem.Loop.corrected`.
+
+    Parameters
+    ----------
+    loop : Loop
+    data : DataFrame
+        The record of the loop, or a part of it, as it was measured.
+    resolve : str or sequence of str, optional
+        Causes of ambiguous findings.
+
+    Returns
+    -------
+    CorrectedRecord
+
+    Raises
+    ------
+    ValueError
+        If no row is within the period of the loop's record, data are corrected already,
+        a time comes twice, or ``resolve`` has no candidate of a finding.
+    """
     columns = with_aliases(data, ())
     labels = {printable(label): label for label in data}
     others = {**ALIASES, **RENAMED}

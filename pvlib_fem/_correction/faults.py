@@ -31,7 +31,26 @@ class Fault:
 
 
 def chosen(loop: Any, resolve: tuple) -> list:
-    """The findings in the model as faults, ambiguous ones by the member to apply."""
+    """
+    The findings in the model as faults, ambiguous ones by the member to apply.
+
+    Parameters
+    ----------
+    loop : Loop
+    resolve : str or sequence of str
+        Causes of ambiguous findings.
+
+    Returns
+    -------
+    list of Fault
+        Findings that may be faults of instruments; an ambiguous one without
+        a cause in ``resolve`` has a reason instead of an effect.
+
+    Raises
+    ------
+    ValueError
+        If ``resolve`` has a name that is no candidate, or two of one finding.
+    """
     names = [resolve] if isinstance(resolve, str) else [*resolve]
     names = [in_new_names(name) for name in names]
     added = [finding for finding in loop.finding_objects if finding.added]

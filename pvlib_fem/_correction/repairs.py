@@ -155,12 +155,36 @@ REPAIRS = {
 
 
 def repair_of(effect: Effect) -> Any:
-    """How the fault is taken out that an effect is, or None."""
+    """
+    The correction of the fault that an effect is.
+
+    Parameters
+    ----------
+    effect : Effect
+
+    Returns
+    -------
+    Repair or None
+        None for an effect that is no fault of an instrument.
+    """
     return REPAIRS.get(effect.sensor_fault or effect.name)
 
 
 def obstacle(fault: Any, repair: Repair, coefficients: dict) -> str:
-    """Why a fault cannot be taken out; "" if it can."""
+    """
+    Why a fault cannot be taken out; "" if it can.
+
+    Parameters
+    ----------
+    fault : Fault
+    repair : Repair or None
+    coefficients : dict
+        Of the loop's fit.
+
+    Returns
+    -------
+    str
+    """
     if repair is None:
         return "it is no fault of an instrument, so that no column is changed"
     if repair.column == "wind_speed" and not coefficients.get("u1", 0.0) > 0.0:
@@ -174,7 +198,20 @@ def obstacle(fault: Any, repair: Repair, coefficients: dict) -> str:
 
 
 def unit_of(effect: Effect, repair: Repair) -> str:
-    """Unit of what is added."""
+    """
+    Unit of what is added.
+
+    Parameters
+    ----------
+    effect : Effect
+    repair : Repair
+        That of the effect.
+
+    Returns
+    -------
+    str
+        ``"K"`` or ``"-"``, of a trend ``"K/year"`` or ``"1/year"``, of soiling ``"1/day"``.
+    """
     if effect.name == "soiling":
         return "1/day"
     drifts = time_profile_of(effect) == "drift"
@@ -184,7 +221,20 @@ def unit_of(effect: Effect, repair: Repair) -> str:
 
 
 def dates_of(effect: Effect, first: str, last: str) -> tuple[str, str]:
-    """First and last day of a correction within a record."""
+    """
+    First and last day of a correction within a record.
+
+    Parameters
+    ----------
+    effect : Effect
+    first, last : str
+        First and last day of the record, ``YYYY-MM-DD``.
+
+    Returns
+    -------
+    tuple of str
+        Without dates of its own, those of the record.
+    """
     dates = effect.settings if is_dated(effect) else {}
     start = dates.get("at") or dates.get("start") or dates.get("since") or first
     end = dates.get("end")
@@ -203,7 +253,22 @@ def when(effect: Effect) -> str:
 
 
 def sentence(effect: Effect, repair: Repair, added: tuple) -> str:
-    """What was wrong, and what is added, in words."""
+    """
+    What was wrong, and what is added, in words.
+
+    Parameters
+    ----------
+    effect : Effect
+    repair : Repair
+        That of the effect.
+    added : tuple of float
+        From :meth:`Repair.added`: value, standard error, and low and high end of the
+        range, in K or as a share of the reading, of a trend per year.
+
+    Returns
+    -------
+    str
+    """
     what = repair.low if added[0] > 0 else repair.high
     times, unit = (1.0, "K") if repair.unit == "K" else (SHARE, "%")
     value, error, low, high = (times * n for n in added)

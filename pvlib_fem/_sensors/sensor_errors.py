@@ -20,12 +20,42 @@ FEWEST_ROWS = 100  # in sun
 
 
 def is_sensor(name: str) -> bool:
-    """Whether a column is a module temperature, by its name."""
+    """
+    Whether a column is a module temperature, by its name.
+
+    Parameters
+    ----------
+    name : str
+        ``temp_module``, or that with a number.
+
+    Returns
+    -------
+    bool
+    """
     return name == "temp_module" or twin_of(name) == "temp_module"
 
 
 def clean(usual: Any, sensors: dict, criteria: Criteria) -> tuple[dict, dict]:
-    """Plausible values of each sensor, and by name whether and why it is not used."""
+    """
+    Plausible values of each sensor, and by name whether and why it is not used.
+
+    Parameters
+    ----------
+    usual : tuple of Series
+        ``poa_global`` [W/m²], ``temp_air`` [°C] and ``wind_speed`` [m/s], or None for
+        the last.
+    sensors : dict of Series
+        Module temperatures by name. [°C]
+    criteria : Criteria
+
+    Returns
+    -------
+    found : dict of array, shape (rows,)
+        NaN where a value is not plausible; without sensors whose record is refused.
+        [°C]
+    notes : dict of (bool, str)
+        For each sensor whether it is excluded, and why or which values are.
+    """
     found, notes = {}, {}
     for name, column in sensors.items():
         try:
@@ -55,8 +85,26 @@ def compared(record: Record, name: str, sensors: dict, good: list) -> tuple:
     """
     Over-temperature of a sensor minus its offset, that of the others, and its line.
 
-    The over-temperatures are NaN outside sunny rows. The line (share, offset) is fitted
-    to sunny rows and nights.
+    The line is fitted to sunny rows and nights.
+
+    Parameters
+    ----------
+    record : Record
+        With ``poa_global`` [W/m²] and ``temp_air`` [°C].
+    name : str
+        The sensor.
+    sensors : dict of array, shape (rows,)
+        Module temperatures by name. [°C]
+    good : list of str
+        The sensors whose median it is compared with, without itself.
+
+    Returns
+    -------
+    over, others : array, shape (rows,)
+        NaN outside sunny rows. [K]
+    line : tuple of float
+        Share [-] and offset [K] of the sensor's over-temperature; NaN with less than
+        100 sunny rows.
     """
     air, poa, values = record["temp_air"], record["poa_global"], sensors[name]
     # NaN where a sensor is missing, so that the median is of equal sensors at all times
@@ -79,6 +127,24 @@ def steps_of(
 
     The largest step is removed before the next search, because it is in the median of
     the other sensors. With two sensors, both have the one step that is found.
+
+    Parameters
+    ----------
+    record : Record
+        With ``poa_global`` [W/m²] and ``temp_air`` [°C].
+    sensors : dict of array, shape (rows,)
+        Module temperatures by name. [°C]
+    good : list of str
+        The sensors that others are compared with.
+    criteria : Criteria
+
+    Returns
+    -------
+    steps : dict of dict
+        ``step``, the date; ``change`` of the share, relative to it, and its ``stderr``
+        [-].
+    level : dict of array, shape (rows,)
+        Sensors as if they had gone on as before their steps. [°C]
     """
     level, steps = dict(sensors), {}
     while True:

@@ -110,6 +110,16 @@ def find(effect: EffectLike, own: Iterable[Effect] = ()) -> Effect:
 
 
 def several(effects: Any) -> list:
-    """One or more effects, or their names, as a list."""
+    """
+    One or more effects, or their names, as a list.
+
+    Parameters
+    ----------
+    effects : str, mapping, Effect or iterable of these
+
+    Returns
+    -------
+    list
+    """
     one = isinstance(effects, (str, Mapping, Effect))
     return [effects] if one else list(effects)

@@ -85,7 +85,18 @@ class Terms:
 
 
 def is_there(column: float | np.ndarray) -> bool:
-    """Whether a column of terms is anything but the number 0."""
+    """
+    Whether a column of terms is anything but the number 0.
+
+    Parameters
+    ----------
+    column : float or array, shape (rows,)
+
+    Returns
+    -------
+    bool
+        True for any array.
+    """
     return np.ndim(column) > 0 or column != 0.0
 
 
@@ -369,7 +380,24 @@ def known(
     coefficients: dict,
     wanted: bool = True,
 ) -> FixedTerms | LinearisedEffect:
-    """The effect with its terms on columns, and their slopes if ``wanted``."""
+    """
+    The effect with its terms and their slopes computed on columns.
+
+    Parameters
+    ----------
+    effect : Effect, FixedTerms or LinearisedEffect
+        Only an :class:`Effect` is changed.
+    columns : Columns
+        With the drivers of the effect.
+    coefficients : dict
+        Coefficients of the model by name.
+    wanted : bool, default True
+        Whether slopes are computed.
+
+    Returns
+    -------
+    FixedTerms or LinearisedEffect
+    """
     if isinstance(effect, (LinearisedEffect, FixedTerms)):
         return effect
     slopes = effect.slopes(columns, coefficients) if wanted else {}
@@ -377,7 +405,22 @@ def known(
 
 
 def tabled(effect: Effect, columns: Columns) -> Any:
-    """The effect by its slopes on these columns; a nonlinear one as it is."""
+    """
+    The effect by its slopes on these columns; a nonlinear one as it is.
+
+    Linearity is tested at one point inside the bounds, on at most 10,000 rows if the
+    terms of a row depend on that row alone.
+
+    Parameters
+    ----------
+    effect : Effect or LinearisedEffect
+    columns : Columns
+        With the drivers of the effect.
+
+    Returns
+    -------
+    LinearisedEffect or Effect
+    """
     if isinstance(effect, LinearisedEffect):
         return effect
     rows, start, units = effect.rows(), effect.start, {}
@@ -403,6 +446,17 @@ def tabled(effect: Effect, columns: Columns) -> Any:
 
 
 def deciding(effects: list) -> list:
-    """Measurements that would distinguish some effects from their alternatives."""
+    """
+    Measurements that would distinguish some effects from their alternatives.
+
+    Parameters
+    ----------
+    effects : list of Effect
+
+    Returns
+    -------
+    list of str
+        Phrases, each once; a driver of its own if no effect has one.
+    """
     words = dict.fromkeys(e.decided_by for e in effects if e.decided_by)
     return list(words) or ["a driver of its own"]

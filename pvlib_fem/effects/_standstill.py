@@ -85,7 +85,18 @@ class Axis:
 
 
 def in_words(tilt: float, azimuth: float) -> str:
-    """Where a plane stands: ``"at about 35° east"``, or ``"level"``."""
+    """
+    Orientation of a plane in words: ``"at about 35° east"``, or ``"level"``.
+
+    Parameters
+    ----------
+    tilt, azimuth : float
+        Azimuth clockwise from north. [°]
+
+    Returns
+    -------
+    str
+    """
     if tilt < LEVEL:
         return "level"
     return f"at about {tilt:.0f}° {COMPASS[round(azimuth / 45.0) % 8]}"

@@ -26,7 +26,25 @@ def candidates(
     """
     Effects whose drivers are there, and for other effects the reasons they are not.
 
-    ``absent`` are the usual columns that were not measured.
+    Parameters
+    ----------
+    drivers : dict of Series
+        Columns of the record by name; with ``effects=None`` without the usual three.
+    refused : dict of Because
+        Reasons by name of columns that are there but cannot be used.
+    effects : str, mapping, Effect, sequence of these, or None
+        Effects to try; None for the catalogue and every column that it does not use.
+    there : collection of str, optional
+        Names of effects that are in the model already, and are not tried.
+    absent : sequence of str, optional
+        Usual columns that were not measured.
+
+    Returns
+    -------
+    testable : list of Effect
+        Of each effect the best variant whose columns are there.
+    notes : dict of Because
+        Reasons by name of the other effects.
     """
     if effects is None:
         known = {n for e in EFFECTS.values() for n in measured_for(e)}
@@ -49,7 +67,20 @@ def candidates(
 
 
 def about_axis(effects: list, axis_azimuth: Any) -> list:
-    """Effects of a plane that turns about an axis with this azimuth; None if fixed."""
+    """
+    Effects of a plane that turns about an axis with this azimuth.
+
+    Parameters
+    ----------
+    effects : list of Effect
+    axis_azimuth : float or None
+        Clockwise from north; None for a plane that does not turn. [°]
+
+    Returns
+    -------
+    list of Effect
+        An effect that has an ``axis_azimuth`` of its own keeps it.
+    """
     if axis_azimuth is None:
         return [*effects]
     return [
@@ -65,6 +96,18 @@ def turning(effects: list, axis_azimuth: Any) -> tuple[list, dict]:
     Effects about an axis, as :func:`about_axis` has them, and of others why not.
 
     A plane that is fixed, or turns about no single axis, has none that turn.
+
+    Parameters
+    ----------
+    effects : list of Effect
+    axis_azimuth : float or None
+        Clockwise from north; None for a plane that turns about no single axis. [°]
+
+    Returns
+    -------
+    kept : list of Effect
+    notes : dict of Because
+        Reasons by name of the other effects.
     """
     none = axis_azimuth is None
     notes = {e.name: because(Reason.NO_AXIS) for e in effects if none and e.turns}

@@ -19,7 +19,23 @@ YEAR = 365.2425  # days
 
 
 def number(date: str) -> float:
-    """Days of a date since 1970-01-01."""
+    """
+    Days of a date since 1970-01-01.
+
+    Parameters
+    ----------
+    date : str
+        A date, perhaps with a time, without a zone.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ValueError
+        If it is no date.
+    """
     try:
         return (pd.Timestamp(date) - pd.Timestamp(0)) / pd.Timedelta("1D")
     except (TypeError, ValueError) as error:
@@ -28,7 +44,19 @@ def number(date: str) -> float:
 
 
 def written(day: float) -> str:
-    """The date of a number of days since 1970-01-01."""
+    """
+    The date of a number of days since 1970-01-01.
+
+    Parameters
+    ----------
+    day : float
+        A fraction is dropped.
+
+    Returns
+    -------
+    str
+        ``YYYY-MM-DD``
+    """
     return f"{pd.Timestamp(0) + pd.Timedelta(days=int(day)):%Y-%m-%d}"
 
 
@@ -161,7 +189,20 @@ class DatedChange:
 
 
 def dates_in_words(dates: Mapping) -> str:
-    """Dates of a change in words."""
+    """
+    Dates of a change in words.
+
+    Parameters
+    ----------
+    dates : mapping of str
+        ``at`` or ``since``, or ``start`` and ``end``; perhaps ``between``, a pair of
+        dates.
+
+    Returns
+    -------
+    str
+        "" without a date.
+    """
     if "end" in dates:
         words = f"{dates['start']} until {dates['end']}"
     else:
@@ -171,12 +212,38 @@ def dates_in_words(dates: Mapping) -> str:
 
 
 def scaled_terms(effect: Effect) -> ScaledTerms:
-    """Terms of an effect that has a sensor fault."""
+    """
+    Terms of an effect that is a sensor fault with a time profile.
+
+    Parameters
+    ----------
+    effect : Effect
+        Its ``sensor_fault`` is not "".
+
+    Returns
+    -------
+    ScaledTerms
+    """
     return cast(ScaledTerms, effect.terms)
 
 
 def weights_of(effect: Effect, days: np.ndarray) -> np.ndarray:
-    """Weight of each day, from 1970-01-01, of an effect along a time profile."""
+    """
+    Weight of each day in the time profile of a dated effect.
+
+    Parameters
+    ----------
+    effect : Effect
+        See :func:`is_dated`.
+    days : array of int, shape (days,)
+        Since 1970-01-01.
+
+    Returns
+    -------
+    array of float, shape (days,)
+        1 or 0 for a step or a temporary change; for a trend, years since its begin,
+        which by default is the first of the days.
+    """
     middle = np.asarray(days) + 0.5
     if effect.sensor_fault:
         terms = scaled_terms(effect)
@@ -185,19 +252,50 @@ def weights_of(effect: Effect, days: np.ndarray) -> np.ndarray:
 
 
 def is_dated(effect: Effect) -> bool:
-    """Whether an effect acts from a date on, or until one."""
+    """
+    Whether an effect acts from a date on, or until one.
+
+    Parameters
+    ----------
+    effect : Effect
+
+    Returns
+    -------
+    bool
+    """
     return bool(effect.sensor_fault) or "start" in effect.settings
 
 
 def time_profile_of(effect: Effect) -> str:
-    """How a fault comes and goes: ``"step"``, ``"drift"``, ``"episode"`` or ``""``."""
+    """
+    Name of the time profile of an effect.
+
+    Parameters
+    ----------
+    effect : Effect
+
+    Returns
+    -------
+    str
+        ``"step"``, ``"drift"``, ``"episode"``, or "" for an effect without dates.
+    """
     if effect.sensor_fault:
         return scaled_terms(effect).time_profile.name
     return "episode" if is_dated(effect) else ""
 
 
 def is_drift(effect: Effect) -> bool:
-    """Whether an effect's time profile is a trend."""
+    """
+    Whether an effect's time profile is a trend.
+
+    Parameters
+    ----------
+    effect : Effect
+
+    Returns
+    -------
+    bool
+    """
     return time_profile_of(effect) == "drift"
 
 
@@ -211,7 +309,19 @@ def interval(effect: Effect) -> tuple[float, ...] | None:
 
 
 def along_all(sensor_fault: Effect) -> tuple[Effect, ...]:
-    """The effects of a sensor fault with every time profile."""
+    """
+    The effects of a sensor fault with every time profile.
+
+    Parameters
+    ----------
+    sensor_fault : Effect
+        Of constant size, with one parameter.
+
+    Returns
+    -------
+    tuple of Effect
+        Without dates.
+    """
     return tuple(
         DatedChange(sensor_fault, time_profile).without_dates()
         for time_profile in TIME_PROFILES

@@ -271,7 +271,20 @@ def of_pairs(strip: np.ndarray, there: np.ndarray, weigh: Callable) -> np.ndarra
 
 
 def orthonormal(columns: list, rows: Any = slice(None)) -> np.ndarray:
-    """Some rows of an orthonormal basis of the span of columns."""
+    """
+    Some rows of an orthonormal basis of the span of columns.
+
+    Parameters
+    ----------
+    columns : list of array, shape (all rows,)
+    rows : slice or array of int, optional
+        Rows to return, by default all. The columns are orthonormal over all rows.
+
+    Returns
+    -------
+    array, shape (rows, rank)
+        Columns that depend on others within rounding errors add none.
+    """
     # from the small matrix of their products, in one pass over the rows
     total = products(columns)
     sizes = np.sqrt(np.diag(total))
