@@ -23,7 +23,10 @@ PAGES = {
 }
 TEXTS = ("INTRO", "METHOD", "RULES", "APART", "OUTRO", "WITHOUT", "LASTING", "LIMITS")
 TEXTS += ("SHIFTS", "QUOTED", "DATA", "PUT_IN", "TOTAL", "EDGES")
-MADE = r"^Made by `make ([a-z-]+)` on \d{4}-\d\d-\d\d: pvlib_fem at commit [0-9a-f]{7}[,.]$"
+MADE = (
+    r"^Made by `make ([a-z-]+)` on \d{4}-\d\d-\d\d: "
+    r"pvlib_fem at commit [0-9a-f]{7}[,.]$"
+)
 
 
 def joined(text):
