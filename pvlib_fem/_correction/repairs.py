@@ -210,7 +210,8 @@ def unit_of(effect: Effect, repair: Repair) -> str:
     Returns
     -------
     str
-        ``"K"`` or ``"-"``, of a trend ``"K/year"`` or ``"1/year"``, of soiling ``"1/day"``.
+        ``"K"`` or ``"-"``; of a trend ``"K/year"`` or ``"1/year"``; of soiling
+        ``"1/day"``.
     """
     if effect.name == "soiling":
         return "1/day"
