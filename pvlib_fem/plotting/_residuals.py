@@ -234,7 +234,20 @@ def mesh(
 
 
 def by_hour_and_month(residual: pd.Series) -> pd.DataFrame:
-    """Mean residual, a row for each hour and a column for each month of each year."""
+    """
+    Mean residual, a row for each hour and a column for each month of each year.
+
+    Parameters
+    ----------
+    residual : Series
+        Measured minus modelled temperature, with a DatetimeIndex. [K]
+
+    Returns
+    -------
+    DataFrame, shape (24, months)
+        A row for each hour; columns are 12 × year + month − 1, from the first month to
+        the last. NaN where there is no row. [K]
+    """
     index = pd.DatetimeIndex(residual.index)
     months = YEAR * np.asarray(index.year) + np.asarray(index.month) - 1
     rows = pd.DataFrame(
@@ -278,7 +291,19 @@ def by_sector(
 
 
 def largest(*means: pd.DataFrame) -> float:
-    """Largest absolute mean of some maps, for a common scale. [K]"""
+    """
+    Largest absolute mean of some maps, for a common scale.
+
+    Parameters
+    ----------
+    *means : DataFrame
+        Mean residuals of the cells of each map. [K]
+
+    Returns
+    -------
+    float
+        At least 0.1. [K]
+    """
     values = np.abs(np.concatenate([m.to_numpy().ravel() for m in means]))
     return float(max(np.nanmax(values, initial=0.0), 0.1))
 

@@ -32,12 +32,34 @@ NOTHING = 0.005  # K: a change that two decimals do not show
 
 
 def spaced(name: str) -> str:
-    """The name of a step, with a space after its plus sign."""
+    """
+    The name of a step, with a space after its plus sign.
+
+    Parameters
+    ----------
+    name : str
+        Name of a row of ``loop.table``, such as ``"+soiling"``.
+
+    Returns
+    -------
+    str
+    """
     return name.replace("+", "+ ", 1)
 
 
 def step_name(name: str) -> str:
-    """The name of a step for a picture."""
+    """
+    The name of a step for a picture.
+
+    Parameters
+    ----------
+    name : str
+        Name of a row of ``loop.table``, such as ``"fem"`` or ``"+soiling"``.
+
+    Returns
+    -------
+    str
+    """
     return BASES.get(name) or spaced(name)
 
 
@@ -125,14 +147,36 @@ def path(fit: "FemFit") -> pd.Series:
 
 
 def signed(change: float) -> str:
-    """A change with two decimals and a typographic minus."""
+    """
+    A change with two decimals and a typographic minus.
+
+    Parameters
+    ----------
+    change : float
+        Change of an error; "±0.00" if it is below 0.005. [K or K²]
+
+    Returns
+    -------
+    str
+    """
     if abs(change) < NOTHING:
         return "±0.00"
     return f"{change:+.2f}".replace("-", "−")
 
 
 def one_line_each(ax: "Axes", names: Sequence[str], words: str) -> None:
-    """Label horizontal bars on the left, with the first at the top."""
+    """
+    Label horizontal bars on the left, with the first at the top.
+
+    Parameters
+    ----------
+    ax : matplotlib Axes
+        Axes with bars at 0, 1, 2 …
+    names : sequence of str
+        Name of each bar.
+    words : str
+        Label of the x axis, with its unit.
+    """
     ax.set_yticks(range(len(names)), [label(name) for name in names])
     ax.tick_params(axis="y", length=0)
     ax.invert_yaxis()

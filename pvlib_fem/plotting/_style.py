@@ -27,7 +27,27 @@ LONGEST = 24  # characters of a name in a picture
 def new_axes(
     ax: "Axes | None", projection: str | None = None, height: float = 4.0
 ) -> "Axes":
-    """The given axes, or axes of a new figure with that height. [inch]"""
+    """
+    The given axes, or axes of a new figure.
+
+    Parameters
+    ----------
+    ax : matplotlib Axes or None
+        Axes to draw on; None for a new figure.
+    projection : str, optional
+        Projection of new axes, such as ``"polar"``; by default they are rectangular.
+    height : float, default 4.0
+        Height of a new figure of 8 inches' width; ignored with a projection. [inch]
+
+    Returns
+    -------
+    matplotlib Axes
+
+    Raises
+    ------
+    ImportError
+        If a new figure is needed and matplotlib is not installed.
+    """
     if ax is not None:
         return ax
     try:
@@ -43,7 +63,23 @@ def new_axes(
 
 
 def polar_axes(ax: "Axes | None") -> "PolarAxes":
-    """The given polar axes, or those of a new figure; ValueError for others."""
+    """
+    The given polar axes, or those of a new figure.
+
+    Parameters
+    ----------
+    ax : matplotlib PolarAxes or None
+        Axes to draw on; None for a new figure.
+
+    Returns
+    -------
+    matplotlib PolarAxes
+
+    Raises
+    ------
+    ValueError
+        If the axes are not polar.
+    """
     ax = new_axes(ax, "polar")
     from matplotlib.projections.polar import PolarAxes
 
@@ -91,7 +127,19 @@ def panels(ax: "Axes", heights: Sequence[float], gap: float = 0.06) -> "list[Axe
 
 
 def check_format(path: Path) -> None:
-    """Refuse a picture file whose suffix matplotlib does not support."""
+    """
+    Refuse a picture file whose suffix matplotlib does not support.
+
+    Parameters
+    ----------
+    path : Path
+        File to write; the case of its suffix is ignored.
+
+    Raises
+    ------
+    ValueError
+        With the suffixes that matplotlib supports.
+    """
     from matplotlib.backend_bases import FigureCanvasBase
 
     known = FigureCanvasBase.get_supported_filetypes()
@@ -103,19 +151,43 @@ def check_format(path: Path) -> None:
 
 
 def ink() -> str:
-    """The text colour of the present style."""
+    """
+    The text colour of the present style.
+
+    Returns
+    -------
+    str
+        Colour of matplotlib.
+    """
     from matplotlib import rcParams
 
     return rcParams["text.color"]
 
 
 def without_frame(ax: "Axes", *sides: str) -> None:
+    """
+    Hide some sides of the frame.
+
+    Parameters
+    ----------
+    ax : matplotlib Axes
+        Axes to change.
+    *sides : str
+        ``"top"``, ``"right"``, ``"bottom"`` or ``"left"``.
+    """
     for side in sides:
         ax.spines[side].set_visible(False)
 
 
 def dated_axis(ax: "Axes") -> None:
-    """Few ticks of dates, each with what the one before it does not say."""
+    """
+    Few ticks of dates, each with what the one before it does not say.
+
+    Parameters
+    ----------
+    ax : matplotlib Axes
+        Axes whose x axis has dates.
+    """
     from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
 
     places = AutoDateLocator(minticks=3, maxticks=MOST_TICKS)
@@ -124,13 +196,37 @@ def dated_axis(ax: "Axes") -> None:
 
 
 def label(name: object) -> str:
-    """A name, shortened and escaped for matplotlib."""
+    """
+    A name, shortened and escaped for matplotlib.
+
+    Parameters
+    ----------
+    name : object
+        Name of a column, an effect or a model.
+
+    Returns
+    -------
+    str
+        One line of at most 24 characters before ``$`` is escaped.
+    """
     text = " ".join(str(name).split())
     text = text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
     return text.replace("$", r"\$")
 
 
 def label_with_unit(name: Hashable) -> str:
-    """A shortened name with its unit, if it is one of pvlib's names."""
+    """
+    A shortened name with its unit, if it is one of pvlib's names.
+
+    Parameters
+    ----------
+    name : hashable
+        Name of a column.
+
+    Returns
+    -------
+    str
+        Such as "wind_speed [m/s]".
+    """
     unit = f" [{UNITS[name]}]" if name in UNITS else ""
     return f"{label(name)}{unit}"
