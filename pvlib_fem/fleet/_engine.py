@@ -41,7 +41,21 @@ WORKERS = {
 def serial(
     work: Callable[["System"], dict], systems: "Iterable[System]"
 ) -> Generator[dict, None, None]:
-    """Yield the answers of a plain loop over the systems."""
+    """
+    Yield the answers of a plain loop over the systems.
+
+    Parameters
+    ----------
+    work : callable
+        Takes a System and returns its answer, a dict.
+    systems : iterable of System
+        Systems in order.
+
+    Yields
+    ------
+    dict
+        Answer of each system, in their order.
+    """
     for system in systems:
         yield work(system)
 
@@ -113,10 +127,16 @@ def client_of(
     Parameters
     ----------
     client : distributed.Client, str or None
+        A client, which stays open; the address of a scheduler; or None for a cluster on
+        this machine, which is closed at the end.
     workers : int, optional
         Number of processes with one thread each; by default the number of cores.
     memory_limit : str, int or "auto"
         Memory limit of each worker; Dask ends a worker that exceeds it.
+
+    Yields
+    ------
+    distributed.Client
     """
     import dask
     from distributed import Client, LocalCluster

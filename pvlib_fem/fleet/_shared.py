@@ -213,7 +213,22 @@ def sensor_faults(names: Iterable[str]) -> set[str]:
 
 
 def few(names: Iterable[str], apart: str = ", ", last: str = " and ") -> str:
-    """The first of some names, and the number of further names."""
+    """
+    The first of some names, and the number of further names.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Names, which are sorted.
+    apart : str, default ", "
+        Text between two names.
+    last : str, default " and "
+        Text before the number of further names.
+
+    Returns
+    -------
+    str
+    """
     names = sorted(names)
     more = len(names) - FEW
     return apart.join(names[:FEW]) + (f"{last}{more:,} more" if more > 0 else "")

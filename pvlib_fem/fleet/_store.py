@@ -30,10 +30,40 @@ def name_of(identity: str) -> str:
 
 
 def result_path(out: FilePath, identity: str) -> Path:
+    """
+    File of a system's result.
+
+    Parameters
+    ----------
+    out : path-like
+        Folder of the fleet's results.
+    identity : str
+        Identity of the system.
+
+    Returns
+    -------
+    Path
+        It need not exist.
+    """
     return Path(out, "results", f"{name_of(identity)}.json")
 
 
 def page_path(out: FilePath, identity: str) -> Path:
+    """
+    File of a system's page.
+
+    Parameters
+    ----------
+    out : path-like
+        Folder of the fleet's results.
+    identity : str
+        Identity of the system.
+
+    Returns
+    -------
+    Path
+        It need not exist.
+    """
     return Path(out, "pages", f"{name_of(identity)}.html")
 
 
@@ -69,7 +99,22 @@ def keep(
 
 
 def kept(out: FilePath, identity: str) -> dict[str, Any] | None:
-    """Content of a system's file, or None without a file that `keep` wrote."""
+    """
+    Content of a system's file.
+
+    Parameters
+    ----------
+    out : path-like
+        Folder of the fleet's results.
+    identity : str
+        Identity of the system.
+
+    Returns
+    -------
+    dict or None
+        The content; ``"fleet"`` has the head that `keep` wrote. None without a file
+        that `keep` wrote.
+    """
     try:
         path = result_path(out, identity)
         content = json.loads(path.read_text(encoding="utf-8"))
@@ -81,7 +126,18 @@ def kept(out: FilePath, identity: str) -> dict[str, Any] | None:
 
 
 def put_page(out: FilePath, identity: str, html: str | None) -> None:
-    """Write a system's page; None removes the page of an older result."""
+    """
+    Write a system's page, or remove that of an older result.
+
+    Parameters
+    ----------
+    out : path-like
+        Folder of the fleet's results.
+    identity : str
+        Identity of the system.
+    html : str or None
+        The page; None removes the file.
+    """
     path = page_path(out, identity)
     if html is None:
         path.unlink(missing_ok=True)

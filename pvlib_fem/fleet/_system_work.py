@@ -132,7 +132,20 @@ class Work:
 
 
 def title_of(identity: str, site: str) -> str:
-    """The title of a system's page."""
+    """
+    The title of a system's page.
+
+    Parameters
+    ----------
+    identity : str
+        Identity of the system.
+    site : str
+        Name of its site; may be empty.
+
+    Returns
+    -------
+    str
+    """
     return ", ".join(filter(None, [site, identity]))
 
 

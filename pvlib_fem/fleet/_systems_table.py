@@ -168,7 +168,24 @@ def opened(systems: pd.DataFrame | FilePath) -> pd.DataFrame:
 
 
 def systems_of(table: pd.DataFrame) -> Iterator[System]:
-    """The rows of an :func:`opened` table; ValueError names the id of a wrong row."""
+    """
+    Yield the systems of an :func:`opened` table.
+
+    Parameters
+    ----------
+    table : DataFrame
+        A row for each system; ``attrs["folder"]`` is the folder of relative paths.
+
+    Yields
+    ------
+    System
+        In the order of the rows.
+
+    Raises
+    ------
+    ValueError
+        If a row is wrong, with the id of its system.
+    """
     names, folder = list(table.columns), table.attrs["folder"]
     labels = labels_of(table)
     for values in table.itertuples(index=False, name=None):
@@ -180,7 +197,20 @@ def systems_of(table: pd.DataFrame) -> Iterator[System]:
 
 
 def labels_of(table: pd.DataFrame) -> list[str]:
-    """Names of the label columns, the site first."""
+    """
+    Names of the label columns, the site first.
+
+    Parameters
+    ----------
+    table : DataFrame
+        A row for each system.
+
+    Returns
+    -------
+    list of str
+        ``"site"``, also without such a column, and all columns without a meaning of
+        their own.
+    """
     return ["site", *(name for name in table.columns if name not in KNOWN)]
 
 

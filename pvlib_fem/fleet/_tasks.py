@@ -227,7 +227,21 @@ ENGINES = {"processes", "path", "progress"}  # arguments that the fleet itself s
 
 
 def check_task(name: str, options: Iterable[str]) -> None:
-    """Refuse an unknown task, and options that a task does not have."""
+    """
+    Refuse an unknown task, and options that a task does not have.
+
+    Parameters
+    ----------
+    name : str
+        Task: ``"fit"``, ``"loop"`` or ``"recover"``.
+    options : iterable of str
+        Names of options that are the same for all systems.
+
+    Raises
+    ------
+    ValueError
+        If there is no such task, or an option is of a single system or unknown.
+    """
     if name not in TASKS:
         raise ValueError(f"unknown task {name!r}; there are {', '.join(TASKS)}")
     there = inspect.signature(TASKS[name].function).parameters.values()
