@@ -70,7 +70,22 @@ def part(loop: "Loop") -> tuple[str, str]:
 
 
 def conclusion(loop: "Loop", statements: list[Statement]) -> Iterator[str]:
-    """How good the model was and is, what was found, and what remains."""
+    """
+    How good the model was and is, what was found, and what remains.
+
+    Parameters
+    ----------
+    loop : Loop
+        Loop with or without its rows.
+    statements : list of Statement
+        All statements of the loop, see :func:`.statements_of`.
+
+    Yields
+    ------
+    str
+        A sentence on the errors, one on the findings, and one on the ceiling if it is
+        known.
+    """
     which, end = part(loop)
     error, energy = loop.table[f"rmse_{end}"], loop.table["energy_error_test"]
     before, after = error[loop.base], error[loop.last]

@@ -86,7 +86,21 @@ def days_of(loop: "Loop") -> tuple[str, str]:
 
 
 def finding_statement(finding: Finding, loop: "Loop") -> Statement:
-    """A finding as a statement."""
+    """
+    A finding as a statement.
+
+    Parameters
+    ----------
+    finding : Finding
+        Finding of the loop that is not an unexplained pattern.
+    loop : Loop
+        Loop with the effects and the coefficients of its last fit.
+
+    Returns
+    -------
+    Statement
+        Without the energy that the finding changes.
+    """
     own = {effect.name: effect for effect in loop.fit.effects}
     effects = [effect_of(name, finding, own) for name in finding.candidates]
     clauses = [
@@ -197,7 +211,20 @@ def action_of(finding: Finding, clauses: list[Clause], effects: list[Effect]) ->
 
 
 def pattern_statement(finding: Finding, predicted: bool = False) -> Statement:
-    """An unexplained pattern as a statement; ``predicted`` if predictions have it."""
+    """
+    An unexplained pattern as a statement.
+
+    Parameters
+    ----------
+    finding : Finding
+        The pattern; its coefficient ``mean`` is measured minus modelled. [K]
+    predicted : bool, default False
+        Whether predictions of the loop have the pattern.
+
+    Returns
+    -------
+    Statement
+    """
     mean = finding.coefficients.get("mean", np.nan)
     way = "warmer" if mean > 0 else "colder"
     return Statement(

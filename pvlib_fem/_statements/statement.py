@@ -70,7 +70,19 @@ class Statement:
 
 
 def as_table(statements: Iterable[Statement]) -> pd.DataFrame:
-    """A row for each statement."""
+    """
+    A row for each statement.
+
+    Parameters
+    ----------
+    statements : iterable of Statement
+        Statements in order.
+
+    Returns
+    -------
+    DataFrame
+        A column for each field of :class:`Statement`, indexed by ``statement`` from 0.
+    """
     names = [field.name for field in fields(Statement)]
     rows = [[getattr(one, name) for name in names] for one in statements]
     return pd.DataFrame(rows, columns=names).rename_axis("statement")
