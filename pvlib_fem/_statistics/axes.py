@@ -192,12 +192,18 @@ def axes(places: dict, dates: np.ndarray) -> Iterator:
 
     Parameters
     ----------
-    places : dict of array
+    places : dict of array, shape (values,)
         ``hour``, ``month``, ``weekend``, and columns by their names. The solar position
         gets bins of equal width, other columns bins with equal numbers of values. A
         column of few values gets a bin for each.
-    dates : array of int
+    dates : array of int, shape (values,)
         Day of each value, from 1970-01-01.
+
+    Yields
+    ------
+    Axis
+        No weekend for less than 14 days, no month for a single one, and no column that
+        does not vary.
     """
     hours = tuple((h, h + 1) for h in range(24))
     cuts = tuple(range(1, 24))
@@ -217,14 +223,42 @@ def axes(places: dict, dates: np.ndarray) -> Iterator:
 
 
 def calendar_of(index: pd.Index) -> dict[str, np.ndarray]:
-    """Hour, month and weekend of some times, as the axes have them."""
+    """
+    Hour, month and weekend of some times, as the axes have them.
+
+    Parameters
+    ----------
+    index : DatetimeIndex, length rows
+        Times; the hour is that of their zone.
+
+    Returns
+    -------
+    dict of array, shape (rows,)
+        ``hour`` from 0 to 23, ``month`` from 1 to 12, and ``weekend``, True on Saturday
+        and Sunday.
+    """
     times = pd.DatetimeIndex(index)
     found = {"hour": np.asarray(times.hour), "month": np.asarray(times.month)}
     return found | {"weekend": np.asarray(times.day_of_week) >= 5}
 
 
 def sorted_by(name: str, values: np.ndarray) -> Axis | None:
-    """Axis of one driver; None if it does not vary."""
+    """
+    Axis of one driver.
+
+    Parameters
+    ----------
+    name : str
+        Name of the column; the solar position, ``wind_direction`` and ``poa_global``
+        have bins of their own kind.
+    values : array, shape (values,)
+        Values of the column, in its unit; NaN where they are missing.
+
+    Returns
+    -------
+    Axis or None
+        None if the column does not vary.
+    """
     if name == "wind_direction":
         labels = tuple((s, s) for s in SECTORS)
         return Axis.of_values(name, values, labels, column=name, cyclic=True)

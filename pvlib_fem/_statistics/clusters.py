@@ -124,7 +124,20 @@ class ClusterSums:
 
 
 def submatrices(sums: np.ndarray, columns: list) -> np.ndarray:
-    """Copy of the products of some columns, in the given order."""
+    """
+    Copy of the products of some columns, in the given order.
+
+    Parameters
+    ----------
+    sums : array, shape (matrices, columns, columns)
+        Products of all columns.
+    columns : list of int
+        Places of the columns; negative ones count from the end.
+
+    Returns
+    -------
+    array, shape (matrices, len(columns), len(columns))
+    """
     columns = np.asarray(columns) % sums.shape[-1]
     places = columns[:, None] * sums.shape[-1] + columns
     return sums.reshape(len(sums), -1).take(places, axis=1)
@@ -132,9 +145,19 @@ def submatrices(sums: np.ndarray, columns: list) -> np.ndarray:
 
 def root(square: Any) -> Any:
     """
-    Root of a decrease of the mean square; negative for an increase. [K]
+    Root of a decrease of the mean square; negative for an increase.
 
     It is rounded to 1 µK, so that rounding errors do not decide between equal values.
+
+    Parameters
+    ----------
+    square : float
+        Decrease of the mean square. [K²]
+
+    Returns
+    -------
+    float
+        [K]
     """
     return round(float(np.sign(square) * np.sqrt(abs(square))), 6)
 
@@ -149,8 +172,25 @@ def cluster_sums(
     """
     Sum the products of columns over each date, in order.
 
-    ``columns`` are arrays of the rows. They are stacked a day at a time, so a long
-    record needs no second copy of them.
+    The columns are stacked a day at a time, so a long record needs no second copy of
+    them.
+
+    Parameters
+    ----------
+    columns : list of array, shape (rows,)
+        Columns of the regression.
+    residual : array, shape (rows,)
+        Becomes the last column of the products.
+    dates : array of int, shape (rows,)
+        Day of each row, from 1970-01-01, in order.
+    folds : int, default 5
+        Number of groups of weeks for cross-validation.
+    fewest : int, default 8
+        With fewer weeks, errors are clustered by day.
+
+    Returns
+    -------
+    ClusterSums
     """
     by_day = products_by_day([*columns, residual], dates)
     return cluster_sums_of(*by_day, len(residual), folds, fewest)
@@ -163,7 +203,26 @@ def cluster_sums_of(
     folds: int = FOLDS,
     fewest: int = FEWEST_CLUSTERS,
 ) -> ClusterSums:
-    """:class:`ClusterSums` from daily products of columns over ``rows`` rows in all."""
+    """
+    :class:`ClusterSums` from daily products of columns.
+
+    Parameters
+    ----------
+    days : array of int, shape (days,)
+        Each day once, from 1970-01-01, in order.
+    sums : array, shape (days, columns + 1, columns + 1)
+        Products of the columns and, last, of the residual, over each day.
+    rows : int
+        Number of rows of all days.
+    folds : int, default 5
+        Number of groups of weeks for cross-validation.
+    fewest : int, default 8
+        With fewer weeks, errors are clustered by day.
+
+    Returns
+    -------
+    ClusterSums
+    """
     scale = np.sqrt(np.einsum("dii->i", sums)[:-1] / rows)
     scale[scale == 0] = 1.0
     scales = np.append(scale, 1.0)
@@ -173,7 +232,23 @@ def cluster_sums_of(
 
 
 def products_by_day(columns: list, dates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The dates of some rows, and products of columns over each date."""
+    """
+    The dates of some rows, and products of columns over each date.
+
+    Parameters
+    ----------
+    columns : list of array, shape (rows,)
+        Columns, such as slopes and a residual.
+    dates : array of int, shape (rows,)
+        Day of each row, from 1970-01-01, in order.
+
+    Returns
+    -------
+    dates : array of int, shape (days,)
+        Each day once.
+    products : array, shape (days, columns, columns)
+        Sums over the rows of each day.
+    """
     first, ends = starts(dates)
     size, rows = len(columns), np.diff(first, append=len(dates))
     found = np.empty((len(first), size, size))
@@ -199,7 +274,22 @@ def of_days(columns: list, rows: Any, length: int) -> np.ndarray:
 
 
 def joined(parts: list) -> tuple[np.ndarray, np.ndarray]:
-    """Dates and products of consecutive blocks, with each date once."""
+    """
+    Dates and products of consecutive blocks, with each date once.
+
+    Parameters
+    ----------
+    parts : list of (array, array)
+        Dates and products of each block, see :func:`products_by_day`; a day may be in
+        several blocks.
+
+    Returns
+    -------
+    dates : array of int, shape (days,)
+        Each day once.
+    products : array, shape (days, columns, columns)
+        Sums over the rows of each day.
+    """
     days, sums = zip(*parts)
     days, sums = np.concatenate(days), np.concatenate(sums)
     first, _ = starts(days)
@@ -207,13 +297,41 @@ def joined(parts: list) -> tuple[np.ndarray, np.ndarray]:
 
 
 def days_of_folds(dates: np.ndarray, folds: int = FOLDS) -> np.ndarray:
-    """Fold of each date: whole weeks in turn, or days if there are few weeks."""
+    """
+    Fold of each date: whole weeks in turn, or days if there are few weeks.
+
+    Parameters
+    ----------
+    dates : array of int, shape (days,)
+        Days from 1970-01-01.
+    folds : int, default 5
+        Number of folds.
+
+    Returns
+    -------
+    array of int, shape (days,)
+        From 0 to ``folds - 1``.
+    """
     grouped = calendar_weeks(dates) if np.ptp(dates) >= folds * WEEK else dates
     return np.unique(grouped, return_inverse=True)[1] % folds
 
 
 def starts(dates: np.ndarray) -> Any:
-    """First row of each date, and the row after its last."""
+    """
+    First row of each date, and the row after its last.
+
+    Parameters
+    ----------
+    dates : array of int, shape (rows,)
+        Day of each row, in order.
+
+    Returns
+    -------
+    first : array of int, shape (days,)
+        First row of each day.
+    ends : list of int, length days
+        Row after the last of each day.
+    """
     if not len(dates):
         return np.zeros(0, int), []
     # a repeated hour at midnight stays with the day that has begun
@@ -222,7 +340,19 @@ def starts(dates: np.ndarray) -> Any:
 
 
 def calendar_weeks(dates: np.ndarray) -> np.ndarray:
-    """Number of each date's ISO week; 1970-01-01 was a Thursday."""
+    """
+    Number of each date's ISO week; 1970-01-01 was a Thursday.
+
+    Parameters
+    ----------
+    dates : array of int, shape (n,)
+        Days from 1970-01-01.
+
+    Returns
+    -------
+    array of int, shape (n,)
+        Weeks from Monday to Sunday; that of 1970-01-01 is 0.
+    """
     return (np.asarray(dates) + 3) // WEEK
 
 
@@ -234,6 +364,19 @@ def jackknife_covariance(
 
     To first order, it follows from the normal matrices and scores of the clusters
     and the inverse of the whole normal matrix.
+
+    Parameters
+    ----------
+    normals : array, shape (clusters, columns, columns)
+        Products of the columns in each cluster.
+    scores : array, shape (clusters, columns)
+        Products of the columns with the residual of the solution in each cluster.
+    inverse : array, shape (columns, columns)
+        Inverse of the sum of ``normals``.
+
+    Returns
+    -------
+    array, shape (columns, columns)
 
     References
     ----------
@@ -249,7 +392,23 @@ def jackknife_covariance(
 def day_errors(
     columns: list, residual: np.ndarray | pd.Series, days: np.ndarray
 ) -> np.ndarray:
-    """Covariance at a minimum, robust to autocorrelation within a day."""
+    """
+    Covariance at a minimum, robust to autocorrelation within a day.
+
+    Parameters
+    ----------
+    columns : list of array, shape (rows,)
+        Slopes of the model along its coefficients.
+    residual : array, shape (rows,)
+        Measured minus modelled at the minimum, in the unit of the measurement.
+    days : array of int, shape (rows,)
+        Day of each row, from 1970-01-01, in order.
+
+    Returns
+    -------
+    array, shape (columns, columns)
+        Covariance of the coefficients by the jackknife over days.
+    """
     return cluster_sums(columns, residual, days).by_day()
 
 

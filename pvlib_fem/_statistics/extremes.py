@@ -9,7 +9,21 @@ ALIKE = 1e-9  # relative difference up to which two gains count as equal
 
 
 def as_normal(statistic: Any, draws: Any) -> Any:
-    """Normal deviate with the tail probability of Student's t with few draws."""
+    """
+    Normal deviate with the tail probability of a value of Student's t.
+
+    Parameters
+    ----------
+    statistic : float
+        Value of t.
+    draws : float
+        Degrees of freedom; need not be whole.
+
+    Returns
+    -------
+    float
+        It has the sign of the statistic.
+    """
     return float(-ndtri(stdtr(draws, -statistic)))
 
 
@@ -18,6 +32,16 @@ def largest(gains: Any) -> Any:
     Place of the first gain that equals the largest within rounding errors.
 
     Without data an edge may be anywhere, and rounding errors must not choose the place.
+
+    Parameters
+    ----------
+    gains : array, any shape
+        Gains without NaN.
+
+    Returns
+    -------
+    int
+        Place in the flattened array.
     """
     gains = np.ravel(gains)
     most = gains.max()

@@ -16,6 +16,11 @@ def share_between(count: int, of: int, tail: float = 0.05) -> tuple[float, float
         Probability beyond either end. The lower end is 0 without a success, and the
         upper end is 1 without a failure, as in [1]_.
 
+    Returns
+    -------
+    (float, float)
+        Lower and upper end. [-]
+
     References
     ----------
     .. [1] L. D. Brown, T. T. Cai and A. DasGupta, "Interval estimation for a binomial
@@ -31,8 +36,17 @@ def rate_between(count: int, of: int, tail: float = 0.05) -> tuple[float, float]
     """
     Ends of the interval of a mean count per record, by Jeffreys' prior.
 
-    Parameters and result as in :func:`share_between`; the lower end is 0 for a count
-    of 0.
+    Parameters
+    ----------
+    count, of : int
+        Number of events and of records; with no record the interval is 0 to infinity.
+    tail : float, default 0.05
+        Probability beyond either end. The lower end is 0 for a count of 0.
+
+    Returns
+    -------
+    (float, float)
+        Lower and upper end. [1/record]
     """
     if not of:
         return 0.0, np.inf

@@ -60,10 +60,20 @@ def minimum_of(search: Iterable, evaluate: Callable) -> Minimum:
 
 def minima_of(searches: dict, evaluate: Callable) -> dict:
     """
-    Run several searches to their ends; returns their results by name.
+    Run several searches to their ends.
 
-    ``evaluate`` takes the points of all searches that have not ended, by name, and
-    returns the answers to send.
+    Parameters
+    ----------
+    searches : dict of generator
+        Searches by name, see :func:`descent`.
+    evaluate : callable
+        Takes the points of all searches that have not ended, a dict of array, and
+        returns the :class:`Normal` of each, by the same names.
+
+    Returns
+    -------
+    dict of Minimum
+        By the name of the search.
     """
     found, points = {}, {}
     answers = dict.fromkeys(searches)
@@ -92,8 +102,34 @@ def descent(
     can share a pass; :func:`minimum_of` runs one. Every step solves the bounded linear
     problem on the square root of the small normal matrix, so a step costs one pass over
     the record. The residual is measured minus modelled; the slopes are those of the
-    model. ``flat`` is the relative decrease of the cost that ends the search. A last
-    step that promises no more than that is taken without evaluation.
+    model.
+
+    Parameters
+    ----------
+    start : sequence of float, length variables
+        First place, in the unit of each variable; it is moved into the bounds.
+    lower, upper : sequence of float, length variables
+        Bounds.
+    steps : int, default 60
+        Most steps of the search.
+    flat : float, default 1e-13
+        Relative decrease of the sum of squares that ends the search. A last step that
+        promises no more than that is taken without evaluation.
+
+    Returns
+    -------
+    Minimum
+        At the end of the search.
+
+    Yields
+    ------
+    array, shape (variables,)
+        Place to evaluate.
+
+    Receives
+    --------
+    Normal
+        Sums of the residual and its slopes there.
     """
     lower, upper = np.asarray(lower, float), np.asarray(upper, float)
     x = np.clip(np.asarray(start, float), lower, upper)
@@ -157,6 +193,17 @@ def products(columns: list, rows: Any = slice(None)) -> np.ndarray:
 
     The blocks are so small that BLAS starts no threads. On such narrow matrices threads
     would cost more time than they save, most of all on a busy machine.
+
+    Parameters
+    ----------
+    columns : list of array, shape (rows,)
+        Columns of equal length.
+    rows : slice, optional
+        Rows to sum over; by default all.
+
+    Returns
+    -------
+    array, shape (columns, columns)
     """
     start, end, _ = rows.indices(len(columns[0]))
     size = len(columns)

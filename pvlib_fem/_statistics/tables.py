@@ -196,13 +196,41 @@ class Cells:
 
 
 def group_means(groups: np.ndarray, rows: np.ndarray) -> Callable:
-    """A function from values, each the mean of some rows, to the mean of its group."""
+    """
+    A function from values, each the mean of some rows, to the mean of its group.
+
+    Parameters
+    ----------
+    groups : array of int, shape (values,)
+        Group of each value, from 0.
+    rows : array, shape (values,)
+        Number of rows behind each value.
+
+    Returns
+    -------
+    callable
+        Takes an array and returns an array, both of shape (values,).
+    """
     count = np.maximum(np.bincount(groups, rows), 1.0)
     return lambda values: (np.bincount(groups, values * rows) / count)[groups]
 
 
 def joined(axes: tuple) -> tuple[np.ndarray, int]:
-    """Number of each value's cell on one or two axes, and the number of cells."""
+    """
+    Number of each value's cell on one or two axes, and the number of cells.
+
+    Parameters
+    ----------
+    axes : tuple of Axis
+        One or two axes of the same values.
+
+    Returns
+    -------
+    groups : array of int, shape (values,)
+        The second axis varies fastest.
+    count : int
+        Number of cells, also of empty ones.
+    """
     if len(axes) == 1:
         return axes[0].bins, len(axes[0].labels)
     one, two = axes
@@ -211,17 +239,43 @@ def joined(axes: tuple) -> tuple[np.ndarray, int]:
 
 
 def ways(axes: list) -> list:
-    """Each axis, and each pair of axes with different names."""
+    """
+    Each axis, and each pair of axes with different names.
+
+    Parameters
+    ----------
+    axes : list of Axis
+        Axes of the same values.
+
+    Returns
+    -------
+    list of tuple of Axis
+        Single axes first.
+    """
     pairs = combinations(axes, 2)
     return [*((one,) for one in axes), *(p for p in pairs if p[0].name != p[1].name)]
 
 
 def largest(kinds: list[Cells], rest: np.ndarray, least: float) -> Table | None:
     """
-    The table with the largest significant and material variance, or None.
+    The table with the largest significant and material variance.
 
     A table of two axes must have clearly more variance than the best of one axis,
     because it always contains that.
+
+    Parameters
+    ----------
+    kinds : list of Cells
+        Cells of the tables to compare.
+    rest : array, shape (values,)
+        Remaining error, in order of time. [K]
+    least : float
+        Least variance between cells that is material. [K²]
+
+    Returns
+    -------
+    Table or None
+        None if no table is significant and material.
     """
     best: dict[int, Table] = {}
     for cells in kinds:

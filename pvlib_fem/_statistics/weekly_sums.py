@@ -165,14 +165,39 @@ def solve(whole: np.ndarray) -> np.ndarray:
 
 
 def steady(squares: np.ndarray) -> np.ndarray:
-    """Products with a ridge, so that undetermined coefficients stay 0."""
+    """
+    Products with a ridge, so that undetermined coefficients stay 0.
+
+    Parameters
+    ----------
+    squares : array, shape (..., columns, columns)
+        Products of columns.
+
+    Returns
+    -------
+    array, shape (..., columns, columns)
+    """
     diagonal = np.abs(np.einsum("...ii->...i", squares))
     ridge = RIDGE * (diagonal + 1e-3 * diagonal.max(axis=-1, keepdims=True)) + 1e-30
     return squares + ridge[..., None] * np.eye(squares.shape[-1])
 
 
 def fall(whole: np.ndarray, size: int) -> Squares:
-    """Decrease of the sum of squares by the last ``size`` columns."""
+    """
+    Decrease of the sum of squares by the last columns.
+
+    Parameters
+    ----------
+    whole : array, shape (..., columns + 1, columns + 1)
+        Sums of products; the first row is that of the residual.
+    size : int
+        Number of last columns.
+
+    Returns
+    -------
+    float, or array of shape (...)
+        In the unit of the residual, squared.
+    """
     without = whole[..., : -size or None, : -size or None]
     return residual_squares(without) - residual_squares(whole)
 
@@ -222,6 +247,11 @@ def held_out(weekly: np.ndarray, folds: np.ndarray) -> float:
         Sums of products; the first row is that of the residual.
     folds : array, shape (groups, weeks)
         1 where a week is in a group, else 0.
+
+    Returns
+    -------
+    float
+        Over all groups, in the unit of the residual, squared.
     """
     parts = np.einsum("fw,wij->fij", folds, weekly)
     sizes = solve(parts.sum(axis=0) - parts)
