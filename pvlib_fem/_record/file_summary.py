@@ -58,6 +58,16 @@ def present(rows: Rows | None) -> Rows:
     """
     Rows of a result: its record, residual or the like.
 
+    Parameters
+    ----------
+    rows : object or None
+        None in a result that was read from a file.
+
+    Returns
+    -------
+    object
+        ``rows``, which is not None.
+
     Raises
     ------
     ValueError
@@ -71,7 +81,18 @@ def present(rows: Rows | None) -> Rows:
 
 
 def summary_of(record: Any) -> Summary:
-    """The summary of a Record."""
+    """
+    Size, times, gaps and hash of a record.
+
+    Parameters
+    ----------
+    record : Record
+        With at least one row.
+
+    Returns
+    -------
+    Summary
+    """
     return Summary(
         rows=len(record.index),
         days=len(np.unique(record.dates)),
@@ -107,7 +128,24 @@ def digest(record: Record) -> str:
 
 
 def digest_of(names: Sequence, blocks: Callable) -> str:
-    """The summary of records that follow each other, from ``blocks(names)``."""
+    """
+    Sha256 of the times and values of a record in blocks.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Columns, in the order in which they are hashed; those of :data:`GEOMETRY` are
+        not, since they are computed.
+    blocks : callable
+        Of a tuple of names, the blocks of these columns from the first on: each with
+        ``index``, and values by name. It is called once for the times, with no name,
+        and once for each column.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits, independent of the size of the blocks.
+    """
     found = hashlib.sha256()
     for block in blocks(()):
         found.update(instants(block.index).astype("M8[ns]").astype("<i8").tobytes())

@@ -104,7 +104,18 @@ def off_rows(column: pd.Series, time_format: str) -> float:
 
 
 def untimed(columns: pd.DataFrame) -> Any:
-    """Rows that hold no time in any form: nothing, or a text without a digit."""
+    """
+    Rows that hold no time in any form: nothing, or a text without a digit.
+
+    Parameters
+    ----------
+    columns : DataFrame, shape (rows, parts)
+        The columns of the times, such as a date and a time of day.
+
+    Returns
+    -------
+    array of bool, shape (rows,)
+    """
     columns = filled(columns)
     without = np.array(columns.isna().any(axis=1))
     for _, column in columns.items():
@@ -139,7 +150,18 @@ def filled(columns: pd.DataFrame) -> Any:
 
 
 def of_numbers(data: Any) -> Any:
-    """The table with columns as numbers where all of their cells are."""
+    """
+    The table with columns as numbers where all of their cells are.
+
+    Parameters
+    ----------
+    data : DataFrame
+
+    Returns
+    -------
+    DataFrame
+        Other columns are unchanged.
+    """
     found = {}
     for name, column in data.items():
         if pd.api.types.is_object_dtype(column) or pd.api.types.is_string_dtype(column):
@@ -240,7 +262,29 @@ def no_time(
 
 
 def parsed_times(column: pd.Series, time_format: str, tz: str | None = None) -> Any:
-    """Texts as times, NaT where they are none."""
+    """
+    Read texts as times, NaT where they are none.
+
+    Months and halves of a day may be in another language, and 24:00 ends a day.
+
+    Parameters
+    ----------
+    column : Series of str
+    time_format : str
+        Of ``pandas.to_datetime``; with ``%Z`` also letters of zones.
+    tz : str, optional
+        Zone that such letters belong to, where they are of several.
+
+    Returns
+    -------
+    Series of datetime64
+        In UTC where the texts have different offsets, else as they are written.
+
+    Raises
+    ------
+    ValueError
+        If letters of a zone are unknown, or of several zones and ``tz`` is not given.
+    """
     if "%Z" in time_format:
         return lettered_times(column, time_format, tz)
     parsed = parsed_as(column, time_format)
@@ -305,13 +349,39 @@ def refuse_turned(
 
 
 def unevenness(column: pd.Series) -> tuple[int, float]:
-    """How far times are from following each other: steps back, and all steps. [s]"""
+    """
+    How far times are from following each other.
+
+    Parameters
+    ----------
+    column : Series of datetime64
+
+    Returns
+    -------
+    back : int
+        Number of steps that do not rise.
+    length : float
+        Sum of the absolute steps. [s]
+    """
     steps = np.diff(instants(pd.DatetimeIndex(column))) / np.timedelta64(1, "s")
     return int((steps <= 0).sum()), float(np.abs(steps).sum())
 
 
 def joined(columns: pd.DataFrame) -> Any:
-    """A column as it is, or the text of a date and a time of day, or of more parts."""
+    """
+    The times as one column, where a file has them in one or in several.
+
+    Parameters
+    ----------
+    columns : DataFrame, shape (rows, parts)
+        A column of times, or the parts of a time, such as a date and a time of day.
+
+    Returns
+    -------
+    Series
+        One column as it is, except that a date that stands once a day is in all rows of
+        it; parts as texts with a space between them.
+    """
     first, *others = (column for _, column in filled(columns).items())
     if not others:
         return first
@@ -322,7 +392,18 @@ def joined(columns: pd.DataFrame) -> Any:
 
 
 def as_text(value: float | str) -> str:
-    """A cell of a date or of a time as text; a date without its empty midnight."""
+    """
+    A cell of a date or of a time as text.
+
+    Parameters
+    ----------
+    value : datetime, float or str
+
+    Returns
+    -------
+    str
+        Of midnight only the date, of a whole number only its digits.
+    """
     if isinstance(value, datetime.datetime):
         bare = value.time() == datetime.time(0)
         return str(value.date()) if bare else value.isoformat(sep=" ")
@@ -332,7 +413,26 @@ def as_text(value: float | str) -> str:
 
 
 def zoned(index: Any, tz: str) -> Any:
-    """Times in a zone: naive ones are taken as local in it, and have to be there."""
+    """
+    Times in a zone, of which none may be lost.
+
+    Parameters
+    ----------
+    index : DatetimeIndex
+        Naive times are local in the zone; others are converted.
+    tz : str
+        Name of a zone, such as ``"Europe/Brussels"``.
+
+    Returns
+    -------
+    DatetimeIndex
+
+    Raises
+    ------
+    ValueError
+        If there is no such zone, or its clock skips a time or shows it twice and the
+        times have it once.
+    """
     index, kept, lost = in_zone(index, tz)
     if not kept.all():
         raise ValueError(
@@ -376,7 +476,24 @@ def in_zone(index: Any, tz: Any) -> Any:
 
 
 def placed(index: Any, tz: str) -> Any:
-    """Naive times in a zone; rows that its clock shows; those of an hour there once."""
+    """
+    Put naive times into a zone.
+
+    Parameters
+    ----------
+    index : DatetimeIndex, shape (rows,)
+        Naive, in the order of the clock.
+    tz : str
+
+    Returns
+    -------
+    times : DatetimeIndex, shape (kept,)
+        In the zone, of rows with ``there & ~once``.
+    there : array of bool, shape (rows,)
+        Whether the zone's clock shows the time.
+    once : array of bool, shape (rows,)
+        Whether the row is of an hour that the clock shows twice and ``index`` has once.
+    """
     first = ~index.duplicated()
     local = index.tz_localize(tz, ambiguous=first, nonexistent="NaT")
     there = np.asarray(local.notna())
@@ -390,7 +507,22 @@ def placed(index: Any, tz: str) -> Any:
 
 
 def once_only(index: Any, tz: str, once: Any) -> Any:
-    """What is said of rows in an hour that a clock shows twice, and a file has once."""
+    """
+    Note on rows in an hour that a clock shows twice, and a file has once.
+
+    Parameters
+    ----------
+    index : DatetimeIndex, shape (rows,)
+        Naive.
+    tz : str
+    once : array of bool, shape (rows,)
+        Such rows, which the record does not keep.
+
+    Returns
+    -------
+    list of str
+        One sentence, or none without such rows.
+    """
     if not once.any():
         return []
     return [
@@ -400,7 +532,22 @@ def once_only(index: Any, tz: str, once: Any) -> Any:
 
 
 def skipped(index: Any, tz: Any, there: Any) -> list:
-    """What is said of rows at times that a clock never shows."""
+    """
+    Note on rows at times that a clock never shows.
+
+    Parameters
+    ----------
+    index : DatetimeIndex, shape (rows,)
+        Naive.
+    tz : str
+    there : array of bool, shape (rows,)
+        Rows at times that the clock shows; the record keeps only these.
+
+    Returns
+    -------
+    list of str
+        One sentence, or none without such rows.
+    """
     if there.all():
         return []
     hours = standard(tz)
@@ -415,7 +562,24 @@ def skipped(index: Any, tz: Any, there: Any) -> list:
 def in_order(
     data: Any, sort: bool = False, drop_doubled: bool = False
 ) -> tuple[pd.DataFrame, list]:
-    """Rows in the order of their times, each time once, if requested."""
+    """
+    Rows in the order of their times, each time once, if requested.
+
+    Parameters
+    ----------
+    data : DataFrame
+        With a DatetimeIndex.
+    sort : bool, default False
+        Sort rows by time; rows with the same time keep their order.
+    drop_doubled : bool, default False
+        Of rows with the same time keep the first.
+
+    Returns
+    -------
+    data : DataFrame
+    notes : list of str
+        What was done, a sentence each.
+    """
     notes = []
     if sort and not data.index.is_monotonic_increasing:
         moved = int((np.diff(data.index.asi8) < 0).sum())

@@ -62,7 +62,15 @@ def night(
     """
     Rows of night data, which show a bias: below 20 W/m², module at -20 to 80 °C.
 
-    Parameters and result as in :func:`daytime`.
+    Parameters
+    ----------
+    poa_global, temp_air, wind_speed, temp_module : numeric
+        [W/m²], [°C], [m/s], [°C]
+
+    Returns
+    -------
+    boolean
+        In the form of the input; False where one is NaN.
     """
     return (
         usable(temp_air, wind_speed)

@@ -50,7 +50,26 @@ class Footer:
 
 
 def found_files(data: Any) -> tuple[list, None]:
-    """Files of a folder, a pattern or a Dataset of pyarrow, and where they lie."""
+    """
+    Files of a Parquet data set, and where they are.
+
+    Parameters
+    ----------
+    data : str, path-like, list of these, or pyarrow.dataset.Dataset
+        A file, a folder with its subfolders, a pattern, or files by name.
+
+    Returns
+    -------
+    files : list of str
+        In the order of a list or Dataset, else sorted by name.
+    filesystem : pyarrow.fs.FileSystem or None
+        None for local files.
+
+    Raises
+    ------
+    ValueError
+        If there is no Parquet file, or the Dataset has no files.
+    """
     if hasattr(data, "get_fragments"):
         if not getattr(data, "files", None):
             raise ValueError(
@@ -88,7 +107,25 @@ def without_parquet(folder: Any) -> Any:
 
 
 def parquet_file(file: str, filesystem: Any) -> Any:
-    """One file, opened; of it only the footer is read."""
+    """
+    One file, opened; of it only the footer is read.
+
+    Parameters
+    ----------
+    file : str
+    filesystem : pyarrow.fs.FileSystem or None
+        None for local files.
+
+    Returns
+    -------
+    pyarrow.parquet.ParquetFile
+        To be closed, as by ``with``.
+
+    Raises
+    ------
+    ValueError
+        If pyarrow is not installed, or the file is no Parquet.
+    """
     try:
         import pyarrow as pa
         import pyarrow.parquet as pq
@@ -103,7 +140,27 @@ def parquet_file(file: str, filesystem: Any) -> Any:
 
 
 def footers_of(files: list, filesystem: Any, time: str | None) -> Iterator:
-    """Footers of the files that have rows."""
+    """
+    Footers of the files that have rows.
+
+    Parameters
+    ----------
+    files : list of str
+    filesystem : pyarrow.fs.FileSystem or None
+        None for local files.
+    time : str or None
+        Column of the times of all files; by default the index that pandas stored in the
+        first file, or else its first column of timestamps.
+
+    Yields
+    ------
+    Footer
+
+    Raises
+    ------
+    ValueError
+        If a file cannot be read, or has no such column of timestamps.
+    """
     for file in files:
         with parquet_file(file, filesystem) as opened:
             if not opened.metadata.num_rows:
@@ -134,7 +191,26 @@ def time_column(schema: Any, file: str) -> str:
 
 
 def common_times(footers: list) -> tuple[str, str]:
-    """Zone of the first file, and the finest unit of all."""
+    """
+    Zone of the first file, and the finest unit of all.
+
+    Parameters
+    ----------
+    footers : list of Footer
+        At least one.
+
+    Returns
+    -------
+    tz : str or None
+        None where the times have no zone.
+    unit : str
+        ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``.
+
+    Raises
+    ------
+    ValueError
+        If some files have times with a zone, and others without.
+    """
     first, *others = footers
     kinds = [footer.kind(footer.time) for footer in footers]
     for footer, kind in zip(others, kinds[1:]):
@@ -149,7 +225,21 @@ def common_times(footers: list) -> tuple[str, str]:
 
 def common_columns(footers: list, columns: Mapping) -> tuple[dict, dict]:
     """
-    The package's names to columns of numbers, and why others cannot be read.
+    Columns of numbers that all files have, by the package's names.
+
+    Parameters
+    ----------
+    footers : list of Footer
+        At least one.
+    columns : dict of str
+        Package's name to the files', of those that are mapped.
+
+    Returns
+    -------
+    found : dict of str
+        Package's name to the files'.
+    partial : dict of str
+        Package's name to why a column cannot be read: a file has none, or no numbers.
 
     Raises
     ------
@@ -206,7 +296,22 @@ def groups_of(file: Any, opened: Any, time: str) -> Iterator:
 
 
 def times_of(group: Any, time: Any, filesystem: Any) -> Any:
-    """The times of a row group as they are."""
+    """
+    The times of a row group as they are.
+
+    Parameters
+    ----------
+    group : RowGroup
+    time : str
+        Column of the times.
+    filesystem : pyarrow.fs.FileSystem or None
+        None for local files.
+
+    Returns
+    -------
+    array of datetime64, shape (rows,)
+        In UTC where they have a zone; NaT where there is none.
+    """
     with parquet_file(group.file, filesystem) as opened:
         column = opened.read_row_group(group.number, columns=[time]).column(time)
     return column.to_numpy()
@@ -223,7 +328,22 @@ def in_utc(time: datetime) -> pd.Timestamp:
 
 
 def in_order(groups: list) -> tuple:
-    """Row groups by their times; two that overlap are refused by their files."""
+    """
+    Sort row groups by their times.
+
+    Parameters
+    ----------
+    groups : list of RowGroup
+
+    Returns
+    -------
+    tuple of RowGroup
+
+    Raises
+    ------
+    ValueError
+        If the times of two overlap; the message names the files.
+    """
     groups = tuple(sorted(groups, key=lambda group: (group.first, group.last)))
     for one, other in itertools.pairwise(groups):
         if other.first > one.last:
