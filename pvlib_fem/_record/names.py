@@ -12,8 +12,8 @@ from pvlib_fem._record.header_units import QUANTITIES
 #: column: names that loggers have for it, the surest first
 NAMES = {
     "poa_rear": (
-        r"(rear|back[\s_-]*side|rück\w*)[\s_.-]*(irr|poa|g(\b|_)|rad|einstr)|"
-        r"(irr\w*|g?poa|g)[\s_.-]*(rear|back)(\b|_)",
+        r"(rear|back[\s_-]*side|(?<!d)rue?ck\w*)[\s_.-]*(irr|poa|g(\b|_)|rad|einstr)|"
+        r"(irr\w*|g?poa|g)[\s_.-]*(rear|back)(\b|_)|einstr\w*[\s_.-]*rue?ck",
     ),
     "poa_global": (
         r"poa|gti|gpoa|tilt|inclin|plane|modulebene|(^|_)g[\s_.-]*front",
