@@ -71,7 +71,25 @@ OFFSET = re.compile(r"\d\s*[+-]\d\d:?\d\d$")
 
 
 def with_times(raw: pd.DataFrame, layout: Layout, doubts: list, file: str) -> Layout:
-    """The layout with the columns of the times and their format."""
+    """
+    The layout with the columns of the times and their format.
+
+    Parameters
+    ----------
+    raw : DataFrame
+        The file as it is read.
+    layout : Layout
+        What is known; columns of the times stay, and with them their format.
+    doubts : list of str
+        Takes what a person should look at.
+    file : str
+        Name of the file, for the doubts.
+
+    Returns
+    -------
+    Layout
+        Unchanged where no column has times of a usual format.
+    """
     if isinstance(raw.index, pd.DatetimeIndex):
         return layout
     if layout.time and layout.time_format != ISO:
@@ -194,7 +212,21 @@ def formats(columns: pd.DataFrame, tz: str | None = None) -> list:
 
 
 def lines_after(raw: pd.DataFrame, layout: Layout) -> int:
-    """How many last lines hold no time, such as totals, where all others hold one."""
+    """
+    How many last lines hold no time, such as totals, where all others hold one.
+
+    Parameters
+    ----------
+    raw : DataFrame
+        The file as it is read.
+    layout : Layout
+        With columns and format of the times.
+
+    Returns
+    -------
+    int
+        At most :data:`AFTER`; 0 where other rows hold no time either.
+    """
     if isinstance(raw.index, pd.DatetimeIndex):
         return 0
     for end in range(min(AFTER, len(raw) - 1) + 1):
@@ -209,7 +241,25 @@ def lines_after(raw: pd.DataFrame, layout: Layout) -> int:
 def with_times_only(
     raw: Any, layout: Any, doubts: list, file: str
 ) -> tuple[Layout, pd.DataFrame]:
-    """The layout that leaves out rows without a time, and the others."""
+    """
+    Drop rows without a time, and have the layout do so.
+
+    Parameters
+    ----------
+    raw : DataFrame
+        The file as it is read.
+    layout : Layout
+        With the columns of the times.
+    doubts : list of str
+        Takes how many rows are dropped.
+    file : str
+        Name of the file, for the doubts.
+
+    Returns
+    -------
+    Layout, DataFrame
+        Both unchanged where all rows have a time.
+    """
     without: Any
     if isinstance(raw.index, pd.DatetimeIndex) and not layout.time:
         without = raw.index.isna()
@@ -223,7 +273,24 @@ def with_times_only(
 
 
 def in_order(raw: pd.DataFrame, layout: Layout, name: str) -> Layout:
-    """The layout that puts rows in order, where they are not."""
+    """
+    The layout that puts rows in order, where they are not.
+
+    Parameters
+    ----------
+    raw : DataFrame
+        The file as it is read.
+    layout : Layout
+        With columns and format of the times.
+    name : str
+        Of the file.
+
+    Returns
+    -------
+    Layout
+        It drops doubled times only if fewer than 5 % of the rows have one; unchanged
+        where the times cannot be read.
+    """
     try:
         index = timed(raw, layout, name)[0].index
     except ValueError:
@@ -234,7 +301,21 @@ def in_order(raw: pd.DataFrame, layout: Layout, name: str) -> Layout:
 
 
 def index_of(raw: pd.DataFrame, layout: Layout) -> Any:
-    """Times as they are, before they are brought into a zone, or None."""
+    """
+    Times as they are, before they are brought into a zone.
+
+    Parameters
+    ----------
+    raw : DataFrame
+        The file as it is read.
+    layout : Layout
+        With columns and format of the times.
+
+    Returns
+    -------
+    DatetimeIndex or None
+        None where the times cannot be read.
+    """
     if isinstance(raw.index, pd.DatetimeIndex):
         index = raw.index
     else:
@@ -246,7 +327,21 @@ def index_of(raw: pd.DataFrame, layout: Layout) -> Any:
 
 
 def written(raw: pd.DataFrame, layout: Layout) -> pd.DatetimeIndex:
-    """Times as a clock showed them, without what is said of its zone."""
+    """
+    Times as a clock showed them, without their distance from UTC.
+
+    Parameters
+    ----------
+    raw : DataFrame
+        The file as it is read.
+    layout : Layout
+        With columns and format of the times.
+
+    Returns
+    -------
+    DatetimeIndex, shape (rows,)
+        Naive; NaT where a text holds no time.
+    """
     if isinstance(raw.index, pd.DatetimeIndex):
         return raw.index.tz_localize(None)
     text = joined(raw[time_columns(raw, layout)]).astype(str)
@@ -258,7 +353,20 @@ def written(raw: pd.DataFrame, layout: Layout) -> pd.DatetimeIndex:
 
 
 def time_columns(raw: pd.DataFrame, layout: Layout) -> Any:
-    """The columns of the times: the given ones, or the first."""
+    """
+    The columns of the times: the given ones, or the first.
+
+    Parameters
+    ----------
+    raw : DataFrame
+        The file as it is read.
+    layout : Layout
+
+    Returns
+    -------
+    list of str
+        Empty where the index has the times.
+    """
     if layout.time or isinstance(raw.index, pd.DatetimeIndex):
         return [column for column in layout.time if column in raw]
     return [raw.columns[0]]

@@ -130,7 +130,19 @@ class SwappedTemperatures(ValueError):
 
 
 def usual_name_of(name: str) -> str:
-    """The column of ``QUANTITIES`` whose units a column has; None without any."""
+    """
+    The column of :data:`QUANTITIES` whose units a column has.
+
+    Parameters
+    ----------
+    name : str
+        Package's name of a column, or another with such a form, as ``temp_air_2``.
+
+    Returns
+    -------
+    str or None
+        None for a column of no known quantity.
+    """
     if name in QUANTITIES:
         return name
     return "power_ac" if is_power(name) else twin_of(name)
@@ -142,7 +154,19 @@ def units_of(name: str) -> dict:
 
 
 def of_any_unit(name: str) -> tuple[float, float]:
-    """Least and most that a column can read in any of its units."""
+    """
+    Least and most that a column can read in any of its units.
+
+    Parameters
+    ----------
+    name : str
+        Column of a known quantity, with a possible range.
+
+    Returns
+    -------
+    low, high : float
+        Numbers without a unit: the lowest and the highest of all units.
+    """
     low, high, _ = possible(name)
     ways = units_of(name).values()
     ends = [[(end - offset) / factor for end in (low, high)] for factor, offset in ways]
@@ -150,13 +174,37 @@ def of_any_unit(name: str) -> tuple[float, float]:
 
 
 def own_unit(name: str) -> str:
-    """The unit in which the package has a column."""
+    """
+    The unit in which the package has a column.
+
+    Parameters
+    ----------
+    name : str
+        Column of a known quantity.
+
+    Returns
+    -------
+    str
+        Such as ``"W/m²"``.
+    """
     return next(iter(units_of(name)))
 
 
 def unit_of(name: str, text: str) -> str:
     """
     A unit as somebody writes it, under the package's spelling.
+
+    Parameters
+    ----------
+    name : str
+        Package's name of the column that is in it.
+    text : str
+        Such as ``"w/m2"`` or ``"degF"``.
+
+    Returns
+    -------
+    str
+        Such as ``"W/m²"`` or ``"°F"``.
 
     Raises
     ------
@@ -177,7 +225,21 @@ def unit_of(name: str, text: str) -> str:
 
 
 def named_unit(name: str, header: str) -> str | None:
-    """The unit that a header names for a column, or None."""
+    """
+    The unit that a header names for a column.
+
+    Parameters
+    ----------
+    name : str
+        Package's name of the column.
+    header : str
+        Such as ``"Wind (mph)"`` or ``"Wind mph"``; brackets are looked at first.
+
+    Returns
+    -------
+    str or None
+        In the package's spelling; None without a unit that the column can be in.
+    """
     bracketed = re.findall(r"[\[({]([^\])}]*)[\])}]", header)
     bare = re.sub(r"[\[({][^\])}]*[\])}]", " ", header)
     words = [word for word in re.split(r"[\s_,;:]+", bare) if plain(word) not in WORDS]

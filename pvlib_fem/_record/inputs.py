@@ -343,10 +343,15 @@ def read(
         values may be NaN, not infinite.
     step : float, optional
         Even time step of arrays. [s]
-    times : DatetimeIndex or array, optional
+    times : DatetimeIndex or array, shape (rows,), optional
         Times of arrays: datetimes, or numbers. [s]
     purpose : str
-        Who asks, for the messages.
+        What needs the columns, for the messages.
+
+    Returns
+    -------
+    Inputs
+        Numbers are columns of one value.
 
     Raises
     ------
@@ -401,7 +406,24 @@ def as_record(
     """
     The columns on their common times, as they are.
 
-    ``wind_speed`` may be None: then it is 0, for models that do not depend on it.
+    Parameters
+    ----------
+    poa_global, temp_air, wind_speed, temp_module : Series
+        On one DatetimeIndex. [W/m²], [°C], [m/s], [°C] ``wind_speed`` may be None: then
+        it is 0, for models that do not depend on it.
+    **drivers : Series
+        Further columns.
+
+    Returns
+    -------
+    Record
+        Nothing is screened: no value is impossible or clipped.
+
+    Raises
+    ------
+    ValueError
+        If a column is no Series on the common DatetimeIndex, holds no value or an
+        infinity, or times do not rise.
     """
     columns = {
         "poa_global": poa_global,
@@ -434,7 +456,20 @@ def as_record(
 
 
 def with_columns(record: Record, columns: dict) -> Record:
-    """The record with further columns, which stand on its index."""
+    """
+    The record with further columns.
+
+    Parameters
+    ----------
+    record : Record
+    columns : dict of Series
+        By name, each on the index of the record.
+
+    Returns
+    -------
+    Record
+        Their missing values are counted.
+    """
     arrays = {name: column.to_numpy(float) for name, column in columns.items()}
     missing = {name: int(np.isnan(values).sum()) for name, values in arrays.items()}
     missing = {**record.missing, **missing}

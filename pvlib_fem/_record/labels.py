@@ -41,7 +41,19 @@ def bare(cell: str) -> str:
 
 
 def merged(levels: list) -> list:
-    """Levels with an empty cell as the one to its left, but for the last of them."""
+    """
+    Header lines, with empty cells filled from the left in all but the last line.
+
+    Parameters
+    ----------
+    levels : list of list of str
+        Lines of a header from the top, with a cell for each column.
+
+    Returns
+    -------
+    list of list of str
+        Cells without spaces around them; ``""`` where nothing is to the left.
+    """
     *upper, last = [[bare(cell) for cell in level] for level in levels]
     return [*map(filled, upper), last]
 
@@ -61,14 +73,37 @@ def levels_of(data: Any) -> Any:
 
 
 def flat(data: Any) -> Any:
-    """The table with labels of several levels joined to one text."""
+    """
+    The table with labels of several levels joined to one text.
+
+    Parameters
+    ----------
+    data : DataFrame
+
+    Returns
+    -------
+    DataFrame
+        As it is with labels of one level.
+    """
     if data.columns.nlevels == 1:
         return data
     return data.set_axis(joined_labels(levels_of(data)), axis=1)
 
 
 def flat_header(data: pd.DataFrame) -> Any:
-    """The names of a header of several lines, in which a cell may span columns."""
+    """
+    The table with one name for each column, of a header in which cells span columns.
+
+    Parameters
+    ----------
+    data : DataFrame
+        As it is read, with a level of labels for each line of the header.
+
+    Returns
+    -------
+    DataFrame
+        Names without spaces around them.
+    """
     if data.columns.nlevels == 1:
         return data.rename(columns=lambda name: str(name).strip())
     return data.set_axis(joined_labels(merged(levels_of(data))), axis=1)

@@ -112,7 +112,38 @@ def frame(
     check_units: bool = True,
     module_area: float | None = None,
 ) -> pd.DataFrame:
-    """Several files, each with its layout; of a list, pieces in time."""
+    """
+    Read files as one table in the package's names and units.
+
+    Parameters
+    ----------
+    files : sequence of Path, or of lists of Path
+        A list holds pieces of one logger, which follow each other in time; entries are
+        joined on common times.
+    layouts : list of Layout
+        One for each entry of ``files``.
+    columns : dict of str
+        Package's name to the file's.
+    convert : bool, default False
+        Convert columns whose headers name another unit.
+    units : dict of str, optional
+        Package's name to the unit from which a column is converted.
+    check_units : bool, default True
+        Refuse a column whose header names another unit, where it is not converted.
+    module_area : float, optional
+        Area of the modules whose power is in W or kW. [m²]
+
+    Returns
+    -------
+    DataFrame
+        With a DatetimeIndex; ``.attrs`` has ``"notes"``, a sentence each, and
+        ``"converted"``, the former unit by column.
+
+    Raises
+    ------
+    ValueError
+        If a file, its times, a column or a unit are not as stated.
+    """
     tables, names, notes = [], [], []
     for file, layout in zip(files, layouts):
         pieces = file if isinstance(file, list) else [file]
@@ -149,7 +180,24 @@ def frame(
 
 
 def table(file: Path, layout: Layout) -> pd.DataFrame:
-    """A file's columns; of a table with a row for each reading those of its tags."""
+    """
+    A file's columns; of a table with a row for each reading those of its tags.
+
+    Parameters
+    ----------
+    file : Path
+    layout : Layout
+
+    Returns
+    -------
+    DataFrame
+        The times are still columns, or the index of a Parquet file.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read so, or its tags make no columns.
+    """
     data = plain_table(file, layout)
     if not layout.tag:
         return data
@@ -225,7 +273,17 @@ class TooLarge(ValueError):
 
 
 def texts(data: pd.DataFrame) -> list:
-    """Names of the columns of text."""
+    """
+    Names of the columns of text.
+
+    Parameters
+    ----------
+    data : DataFrame
+
+    Returns
+    -------
+    list of str
+    """
     kinds = pd.api.types
     return [
         name

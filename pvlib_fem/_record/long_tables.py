@@ -23,13 +23,19 @@ def wide(data: Any, tag: Any, value: Any, times: Any) -> Any:
     tag, value : str
         Columns of the name of what is read, and of the reading.
     times : sequence of str
-        Columns of the times.
+        Columns of the times; of an empty one the first column of ``data``.
+
+    Returns
+    -------
+    DataFrame
+        A row for each time: the columns of the times, then the tags, both in the
+        order of the file.
 
     Raises
     ------
     ValueError
-        If a column lacks, a tag has two readings at a time, or the tags have times of
-        their own.
+        If a column is not there, a tag has two readings at a time, or the tags have
+        times of their own.
     """
     for name in (tag, value):
         if name not in data:
@@ -62,7 +68,20 @@ def wide(data: Any, tag: Any, value: Any, times: Any) -> Any:
 
 
 def tag_and_value(data: pd.DataFrame, times: list) -> Any:
-    """The columns that hold names of quantities, and readings, or None."""
+    """
+    The columns of a table with a row for each reading.
+
+    Parameters
+    ----------
+    data : DataFrame
+    times : list of str
+        Columns of the times.
+
+    Returns
+    -------
+    (str, str) or None
+        Columns of the names of quantities, and of the readings; None of another table.
+    """
     kinds, others = pd.api.types, [c for c in data if c not in times]
     numeric = [c for c in others if kinds.is_numeric_dtype(data[c])]
     for column in others:

@@ -31,7 +31,18 @@ def in_english(text: str, whole: bool) -> str:
     """
     A time with the month's name and the half of the day as English has them.
 
-    ``whole`` has the month's whole name, as of the format ``%B``.
+    Parameters
+    ----------
+    text : str
+        In English, German, French, Spanish, Italian, Portuguese or Dutch.
+    whole : bool
+        Whether the result has the month's whole name, as of the format ``%B``, or three
+        letters of it.
+
+    Returns
+    -------
+    str
+        Other words are unchanged.
     """
 
     def month(match: Any) -> Any:

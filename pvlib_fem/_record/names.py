@@ -65,7 +65,25 @@ NOT = re.compile(
 
 
 def mapped(data: dict, columns: dict, names: tuple, doubts: list) -> dict:
-    """The map with the columns that look like a name that none has yet."""
+    """
+    The map with the columns that look like a name that none has yet.
+
+    Parameters
+    ----------
+    data : dict of Series
+        Columns by the file's names.
+    columns : dict of str
+        Package's name to the file's, of those that are mapped already.
+    names : tuple of str
+        Package's names that are looked for.
+    doubts : list of str
+        Takes what a person should look at.
+
+    Returns
+    -------
+    dict of str
+        ``columns``, and package's name to the file's of those that are found.
+    """
     numeric = [c for c in data if pd.api.types.is_numeric_dtype(data[c])]
     there = {ALIASES.get(column, column) for column in data}
     free = [c for c in numeric if c not in (*columns.values(), *QUANTITIES, *ALIASES)]
@@ -98,7 +116,18 @@ def add_doubts(name: str, matching: list, sure: int, doubts: list) -> None:
 
 
 def spelled(column: str) -> str:
-    """A column's name without its unit, in small letters, words apart."""
+    """
+    A column's name without its unit, accents and place, in small letters, words apart.
+
+    Parameters
+    ----------
+    column : str
+
+    Returns
+    -------
+    str
+        Such as ``"wind_speed"`` of ``"Met WindSpeed (m/s)"``.
+    """
     bare = re.sub(r"([a-z])([A-Z])", r"\1_\2", without_unit(column))
     return PLACE.sub("", without_accents(bare.strip().lower()))
 
@@ -109,11 +138,33 @@ def without_accents(text: str) -> str:
 
 
 def without_unit(column: str) -> str:
+    """
+    A column's name without what stands in brackets.
+
+    Parameters
+    ----------
+    column : str
+
+    Returns
+    -------
+    str
+    """
     return re.sub(r"[\[({].*?[\])}]", "", str(column))
 
 
 def usual_name(column: str) -> Any:
-    """The package's name that a column's name looks like, or None."""
+    """
+    The package's name that a column's name looks like.
+
+    Parameters
+    ----------
+    column : str
+
+    Returns
+    -------
+    str or None
+        None where it looks like none, or names another quantity, such as a minimum.
+    """
     if NOT.search(without_unit(column)):
         return None
     for name, patterns in NAMES.items():
@@ -123,12 +174,35 @@ def usual_name(column: str) -> Any:
 
 
 def is_own(column: str) -> bool:
-    """Whether a column has a name that the package knows."""
+    """
+    Whether a column has a name that the package knows.
+
+    Parameters
+    ----------
+    column : str
+
+    Returns
+    -------
+    bool
+        True also for names of second sensors, of power and of angles of the sun.
+    """
     return column in (*QUANTITIES, *ALIASES, *GEOMETRY) or is_cross_check(column)
 
 
 def unmapped(columns: dict) -> dict:
-    """Columns that look like the driver of an effect, or like power, and what like."""
+    """
+    Columns that look like the driver of an effect, or like power.
+
+    Parameters
+    ----------
+    columns : dict
+        By the file's names.
+
+    Returns
+    -------
+    dict of str
+        The file's name to the package's name that it looks like.
+    """
     found = {c: usual_name(c) for c in columns if not is_own(c)}
     return {column: name for column, name in found.items() if name in DRIVERS}
 

@@ -31,6 +31,19 @@ def ungrouped(column: Any, thousands: Any, decimal: str) -> Any:
     Numbers of a column of text; what is none stays as it is.
 
     Only a sign with three digits after it stands between thousands: 1.5 is no 15.
+
+    Parameters
+    ----------
+    column : Series
+    thousands : str
+        Sign between thousands; a space is also one at which no line breaks.
+    decimal : str
+        Decimal sign.
+
+    Returns
+    -------
+    Series
+        Of float if all cells are numbers or missing.
     """
     form, usual = grouped(thousands, decimal), NUMBERS.get(decimal)
 
@@ -47,7 +60,22 @@ def ungrouped(column: Any, thousands: Any, decimal: str) -> Any:
 
 
 def unmarked(column: Any, marks: Any, decimal: str) -> Any:
-    """A column of text without the numbers that one of some marks stands behind."""
+    """
+    A column of text without the numbers that one of some marks stands behind.
+
+    Parameters
+    ----------
+    column : Series
+    marks : sequence of str
+        Such as ``("*",)``.
+    decimal : str
+        Decimal sign.
+
+    Returns
+    -------
+    Series
+        Marked numbers are NaN, others are numbers, and further text stays.
+    """
     usual = NUMBERS.get(decimal, NUMBERS["."])
 
     def number(cell: str) -> Any:
@@ -61,7 +89,21 @@ def unmarked(column: Any, marks: Any, decimal: str) -> Any:
 
 
 def marks_of(texts: list, decimal: str) -> tuple:
-    """Marks behind the numbers of columns that have others without one."""
+    """
+    Marks behind the numbers of columns that have others without one.
+
+    Parameters
+    ----------
+    texts : list of Series
+        Columns of text.
+    decimal : str
+        ``"."`` or ``","``.
+
+    Returns
+    -------
+    tuple of str
+        One or two characters each; empty with none, or more than five.
+    """
     usual, found = NUMBERS[decimal], {}
     for column in texts:
         some = strings(column).str.strip()
@@ -79,7 +121,21 @@ def strings(column: pd.Series) -> pd.Series:
 
 
 def thousands_of(texts: list, decimal: str) -> str:
-    """The sign between the thousands of columns of text, or an empty one."""
+    """
+    The sign between the thousands of columns of text.
+
+    Parameters
+    ----------
+    texts : list of Series
+        Columns of text.
+    decimal : str
+        Decimal sign.
+
+    Returns
+    -------
+    str
+        Empty without one.
+    """
     for sign in SIGNS.get(decimal, ()):
         form = grouped(sign, decimal)
         for column in texts:
@@ -91,7 +147,21 @@ def thousands_of(texts: list, decimal: str) -> str:
 
 
 def refuse_text(column: pd.Series, name: str) -> None:
-    """Say which text stands among the numbers of a column."""
+    """
+    Refuse a column with text among its numbers.
+
+    Parameters
+    ----------
+    column : Series
+        On its times.
+    name : str
+        Of the column.
+
+    Raises
+    ------
+    ValueError
+        With the text, its time and row, and the option that may make it a number.
+    """
     if pd.api.types.is_numeric_dtype(column) or column.isna().all():
         return
     text = strings(column)
