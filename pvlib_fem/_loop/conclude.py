@@ -161,6 +161,7 @@ def in_the_model(
     Parameters
     ----------
     finding : Finding
+        Finding that is in the model.
     choice : Choice
         From which it was made.
     fit : Step
@@ -168,6 +169,12 @@ def in_the_model(
     stderr : dict
         Standard errors of the coefficients of that fit.
     criteria : Criteria
+        Relative errors of laws.
+
+    Returns
+    -------
+    Finding
+        A coefficient at its bound, or without a standard error, has no range.
     """
     values = {key: fit.coefficients[key] for key in finding.coefficients}
     errors = {key: stderr[key] for key in finding.coefficients}
@@ -193,7 +200,22 @@ def relative_error(effect: Effect, criteria: Criteria) -> float:
 
 
 def refused(finding: Finding, check: Check, why: Because) -> Finding:
-    """The finding where it does not pass a check after all."""
+    """
+    The finding as a hint, where it does not pass a check after all.
+
+    Parameters
+    ----------
+    finding : Finding
+        Finding that was to be added.
+    check : Check
+        The check that failed, which becomes the last.
+    why : Because
+        Reason in words.
+
+    Returns
+    -------
+    Finding
+    """
     return replace(
         finding,
         verdict=Verdict.HINT,

@@ -40,7 +40,18 @@ Column = int | Changed
 
 
 def place_of(column: Column) -> int:
-    """Place in the design of a column, or of the one that a change is a part of."""
+    """
+    Place in the design of a column, or of the one that a change is a part of.
+
+    Parameters
+    ----------
+    column : int or Changed
+        A column of the design, or one times the weights of a change.
+
+    Returns
+    -------
+    int
+    """
     return column if isinstance(column, int) else column.place
 
 
@@ -70,7 +81,20 @@ class Candidate:
 
 
 def without_dates(design: "Design", prior: float) -> Iterator[Candidate]:
-    """Candidates that have no date; ``prior`` are the odds of any one effect."""
+    """
+    Candidates that have no date.
+
+    Parameters
+    ----------
+    design : Design
+        Hourly tangents of all effects.
+    prior : float
+        Prior odds of any one effect. [-]
+
+    Yields
+    ------
+    Candidate
+    """
     for name, columns in design.own.items():
         odds = np.log(prior * RARE.get(name, 1.0))
         yield Candidate(design.effects[name], columns, float(odds))

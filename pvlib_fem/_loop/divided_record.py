@@ -133,12 +133,37 @@ class Case:
 
 
 def without_answer(record: Record, rows: np.ndarray) -> Record:
-    """The record without the module's temperature in some rows, a mask."""
+    """
+    The record without the module's temperature in some rows.
+
+    Parameters
+    ----------
+    record : Record
+        Record with all its rows.
+    rows : array of bool, shape (rows,)
+        True where the temperature becomes NaN.
+
+    Returns
+    -------
+    Record
+    """
     return record.lacking({"temp_module": rows})
 
 
 def counting(record: Record) -> np.ndarray:
-    """Mask of the rows that can be fitted."""
+    """
+    Mask of the rows that can be fitted.
+
+    Parameters
+    ----------
+    record : Record
+        Record with all its rows.
+
+    Returns
+    -------
+    array of bool, shape (rows,)
+        True where no usual column is missing; nights count.
+    """
     return np.asarray(counted(record.inputs.columns, with_night=True))
 
 
@@ -152,6 +177,10 @@ def divided(whole: Record, case: Case) -> Case:
         On its own steps.
     case : Case
         Of the same rows; ``record`` and ``whole`` are replaced.
+
+    Returns
+    -------
+    Case
     """
     limits = case.criteria
     seen = case.seen & counting(whole)

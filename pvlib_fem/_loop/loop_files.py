@@ -52,8 +52,14 @@ def loop_content(loop: "Loop", cell: dict[str, float]) -> dict[str, Any]:
     Parameters
     ----------
     loop : Loop
+        Loop with or without its rows.
     cell : dict
         ``deltaT`` or ``k_bs_c``; if it is empty, that of the fit.
+
+    Returns
+    -------
+    dict
+        Objects by their names in the file.
     """
     return {
         "findings": loop.finding_objects,
@@ -94,8 +100,16 @@ def loop_parts(
     Parameters
     ----------
     content : Stored
+        Content of the file.
     own : Effect or sequence of these
         The user's own effects, of which the file has only name and settings.
+
+    Returns
+    -------
+    attributes : dict
+        Arguments of ``Loop``.
+    computed : dict
+        ``week_rows``, ``yearly_energy`` and, if it is in the file, ``own_ceiling``.
     """
     rows = content.read("table", dict[str, dict[str, AnyFloat]])
     criteria = content.part("criteria").content

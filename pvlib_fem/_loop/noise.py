@@ -201,7 +201,20 @@ def likelihoods(
 
 
 def density(distance: float, width: float) -> float:
-    """Density of a normal distribution, up to a factor, and not zero."""
+    """
+    Density of a normal distribution, up to a factor, and not zero.
+
+    Parameters
+    ----------
+    distance : float
+        Distance from the mean.
+    width : float
+        Standard deviation, in the same unit.
+
+    Returns
+    -------
+    float
+    """
     return max(float(np.exp(-0.5 * (distance / width) ** 2) / width), TINY)
 
 

@@ -71,7 +71,25 @@ def in_means(
 
 
 def on_days(holdout: pd.Series, index: pd.Index) -> pd.Series:
-    """Booleans of the rows of a user's choice of days, a Series of bool by day."""
+    """
+    Rows on the days that a user chose.
+
+    Parameters
+    ----------
+    holdout : Series of bool
+        True on these days, indexed by days.
+    index : DatetimeIndex, length rows
+        Times of the rows.
+
+    Returns
+    -------
+    Series of bool, length rows
+
+    Raises
+    ------
+    ValueError
+        If the choice is not of whole days.
+    """
     dates = given_days(holdout)
     return pd.Series(np.isin(dates_of(index), dates), index)
 

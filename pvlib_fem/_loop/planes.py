@@ -81,8 +81,16 @@ def with_given(
     Parameters
     ----------
     data : DataFrame
+        Record of the user.
     site : dict
         From :func:`pvlib_fem.drivers.checked_place`.
+
+    Returns
+    -------
+    DataFrame
+        With the angles as columns. [°]
+    dict
+        The site, without a mount if it was these angles.
 
     Raises
     ------
@@ -115,8 +123,16 @@ def with_series(
     Parameters
     ----------
     data : DataFrame
+        Record of the user; a column of the name of such an angle is replaced.
     place : dict
         Some of the arguments of :func:`pvlib_fem.drivers.checked_place`.
+
+    Returns
+    -------
+    DataFrame
+        With the angles as columns. [°]
+    dict
+        The arguments that are no Series.
     """
     series = {n: v for n, v in place.items() if isinstance(v, pd.Series)}
     if not series:
@@ -166,10 +182,16 @@ def standings_in(
     Parameters
     ----------
     whole : Record
+        On its own steps.
     site : dict
         From :func:`pvlib_fem.drivers.checked_place`, with a location.
     late : float
         By how much the times run ahead of the sun. [s]
+
+    Returns
+    -------
+    tuple of Standing
+        Empty for a plane that does not turn.
     """
     angles = None if site["mount"] is None else angles_at(whole.index, site, late)
     if angles is None:
@@ -191,6 +213,12 @@ def with_standings(
     index : DatetimeIndex
         Times of the record.
     standings : tuple of Standing
+        Days on which the sensor was stuck, with its angles.
+
+    Returns
+    -------
+    dict
+        The site, whose mount has the angles of each time if there are such days.
     """
     if not standings:
         return site

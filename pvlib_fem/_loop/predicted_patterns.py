@@ -81,12 +81,35 @@ class Pattern:
 
 
 def drivers_of(patterns: tuple[Pattern, ...]) -> list[str]:
-    """Drivers that some patterns need, each once."""
+    """
+    Drivers that some patterns need, each once.
+
+    Parameters
+    ----------
+    patterns : tuple of Pattern
+        Unexplained patterns of a loop.
+
+    Returns
+    -------
+    list of str
+        Names of measured columns, and of drivers that are computed from them.
+    """
     return list(dict.fromkeys(name for one in patterns for name in one.drivers))
 
 
 def behind_patterns(patterns: tuple[Pattern, ...]) -> list[str]:
-    """Measured columns and angles that some patterns need."""
+    """
+    Measured columns and angles that some patterns need.
+
+    Parameters
+    ----------
+    patterns : tuple of Pattern
+        Unexplained patterns of a loop.
+
+    Returns
+    -------
+    list of str
+    """
     return behind(drivers_of(patterns))
 
 

@@ -214,12 +214,36 @@ def estimated(look: Look, site: dict[str, Any]) -> Plane | None:
 
 
 def is_before_the_sun(effect: Effect) -> bool:
-    """Whether it is searched for by the position of the sun, given the plane."""
+    """
+    Whether an effect is searched for by the position of the sun, given the plane.
+
+    Parameters
+    ----------
+    effect : Effect
+        Effect of the catalogue.
+
+    Returns
+    -------
+    bool
+    """
     return bool(effect.scan) and bool({*GEOMETRY[:2]} & {*effect.drivers})
 
 
 def another_plane(case: Case) -> Plane | None:
-    """The plane by the light of clear days, where that is surely not the stated one."""
+    """
+    The plane by the light of clear days, where that is surely not the stated one.
+
+    Parameters
+    ----------
+    case : Case
+        Record and site of a loop.
+
+    Returns
+    -------
+    Plane or None
+        None if the light agrees with the stated plane, and for a plane that is not
+        known or turns, or irradiance that was transposed.
+    """
     if not is_known(case.site) or case.transposed or case.site["mount"] is not None:
         return None
     location, whole = case.site["location"], case.whole

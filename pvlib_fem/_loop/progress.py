@@ -10,7 +10,19 @@ LOG = logging.getLogger("pvlib_fem")
 
 
 def line(disable: bool | None = None) -> tqdm:
-    """One line on a terminal, which goes away; nothing elsewhere unless requested."""
+    """
+    One line on a terminal, which goes away; nothing elsewhere unless requested.
+
+    Parameters
+    ----------
+    disable : bool or None, default None
+        None for a line on a terminal only; False for one everywhere.
+
+    Returns
+    -------
+    tqdm
+        Context manager; ``set_description_str`` changes the words.
+    """
     return tqdm(
         desc="looking at the record",
         disable=disable,
@@ -30,6 +42,11 @@ def reporting(
     ----------
     progress : callable or bool, optional
         Called with the words, too; True shows them on one line, as the command does.
+
+    Yields
+    ------
+    callable
+        Takes the words.
     """
     with ExitStack() as stack:
         show = None if progress is True else progress or None
@@ -59,6 +76,11 @@ def counting(
         None for a bar on a terminal only.
     words : str, optional
         In front of the bar.
+
+    Yields
+    ------
+    callable
+        Takes words on the item.
     """
     hidden = None if shown is None else not shown
     with tqdm(total=whole, initial=done, disable=hidden, desc=words) as bar:

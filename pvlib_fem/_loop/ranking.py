@@ -141,7 +141,21 @@ def ranked(
 
 
 def beyond(squares: np.ndarray, size: int) -> np.ndarray:
-    """Squares of the last columns given the others."""
+    """
+    Squares of the last columns given the others.
+
+    Parameters
+    ----------
+    squares : array, shape (columns + 1, columns + 1)
+        Sums of products; the first row is that of the residual, which is not used.
+    size : int
+        Number of last columns.
+
+    Returns
+    -------
+    array, shape (size,)
+        Sum of squares of each that the other columns do not explain.
+    """
     inner, cross = squares[1:-size, 1:-size], squares[1:-size, -size:]
     scale = np.sqrt(np.diag(inner)) + 1e-30
     normal = inner / np.outer(scale, scale) + 1e-10 * np.eye(len(scale))

@@ -87,13 +87,36 @@ def coefficients(effect: str, values: Any, errors: Any) -> str:
 
 
 def table_of(rows: Mapping[str, Mapping[str, Any]]) -> Ranking:
-    """The ranking of dicts by effect, in their order."""
+    """
+    The ranking of dicts by effect, in their order.
+
+    Parameters
+    ----------
+    rows : dict of dict
+        By the name of the effect, the columns that are known.
+
+    Returns
+    -------
+    Ranking
+    """
     frame = pd.DataFrame.from_dict({**rows}, orient="index")
     return Ranking(frame.reindex(index=list(rows), columns=COLUMNS))
 
 
 def ranking_rows(ranking: pd.DataFrame) -> dict[str, dict[str, Any]]:
-    """The ranking for a file, without what is not known."""
+    """
+    The ranking for a file, without what is not known.
+
+    Parameters
+    ----------
+    ranking : DataFrame
+        Ranking, indexed by the name of the effect.
+
+    Returns
+    -------
+    dict of dict
+        By the name of the effect, the columns that are not NaN.
+    """
     return {
         name: {
             key: value

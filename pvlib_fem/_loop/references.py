@@ -104,6 +104,19 @@ def always(record: ComparedRecord) -> np.ndarray:
 
 
 def bright(record: ComparedRecord) -> np.ndarray:
+    """
+    Rows on which light is compared.
+
+    Parameters
+    ----------
+    record : ComparedRecord
+        Record with ``poa_global``. [W/m²]
+
+    Returns
+    -------
+    array of bool, shape (rows,)
+        True above 200 W/m².
+    """
     return record["poa_global"] > BRIGHT
 
 
@@ -426,7 +439,19 @@ def compared_columns(case: "Case") -> dict[str, np.ndarray]:
 
 
 def apart(case: "Case") -> list[DailyDeviation]:
-    """All comparisons that a case has enough days for."""
+    """
+    All comparisons that a case has enough days for.
+
+    Parameters
+    ----------
+    case : Case
+        Record and site of a loop.
+
+    Returns
+    -------
+    list of DailyDeviation
+        One for each comparison and column that serves it.
+    """
     columns = compared_columns(case)
     return [
         one

@@ -28,6 +28,14 @@ def bounds(names: Iterable[str], step: "Step | FemFit") -> tuple[Check, Because]
     names : iterable of str
         Of the coefficients.
     step : Step or FemFit
+        The refit.
+
+    Returns
+    -------
+    Check
+        It passes with no coefficient at a bound.
+    Because
+        The reason if it fails.
     """
     bound = sorted({*names} & {*step.at_bound})
     return (
@@ -48,6 +56,13 @@ def certainty(
         Of which the coefficients are.
     values, stderr : dict
         Coefficients of a fit, and their standard errors.
+
+    Returns
+    -------
+    Check
+        It passes from three standard errors on.
+    Because
+        The reason if it fails.
     """
     sizes = {n: distance(values[n], stderr[n]) for n in finding.coefficients}
     name = max(sizes, key=sizes.__getitem__)
@@ -66,7 +81,23 @@ def distance(value: float, error: float) -> float:
 
 
 def rise_check(errors: float, rise: float) -> tuple[Check, Because]:
-    """The check that no error rises, by :func:`rise_of`, and why it fails."""
+    """
+    The check that no error rises, and why it fails.
+
+    Parameters
+    ----------
+    errors : float
+        Rise in standard errors, by :func:`rise_of`. [-]
+    rise : float
+        Rise of the root mean square. [K]
+
+    Returns
+    -------
+    Check
+        It passes up to one standard error.
+    Because
+        The reason if it fails.
+    """
     name, most = "rise of the error", RISE
     return (
         Check(name, "", errors, most, most=True, unit=ERRORS),
@@ -75,7 +106,22 @@ def rise_check(errors: float, rise: float) -> tuple[Check, Because]:
 
 
 def rise(case: "Case", before: "Step", after: "Step") -> tuple[float, float]:
-    """By how much the error rises from one step to another: :func:`rise_of`."""
+    """
+    By how much the error rises from one step to another, on the fitting weeks.
+
+    Parameters
+    ----------
+    case : Case
+        Record of both steps.
+    before, after : Step
+        Steps with the measured and the modelled temperature of each row.
+
+    Returns
+    -------
+    (float, float)
+        Rise in standard errors [-], and of the root mean square [K], as
+        :func:`rise_of`; negative for a fall.
+    """
     rows = case.fitting & np.isfinite(before.temperature + after.temperature)
     rows &= np.isfinite(before.measured + after.measured)  # a clock's ends have none
     one, other = (

@@ -35,10 +35,15 @@ def repeated(fits: "Fits", step: "Step", least: float) -> list[Table]:
     Parameters
     ----------
     fits : Fits
+        Fits of the loop, with its case.
     step : Step
         The last one.
     least : float
         Variance that is material. [K²]
+
+    Returns
+    -------
+    list of Table
 
     References
     ----------
@@ -101,7 +106,22 @@ def numbered_weeks(dates: np.ndarray) -> np.ndarray:
 
 
 def with_patterns(case: "Case", step: "Step", patterns: tuple[Pattern, ...]) -> "Step":
-    """The step with the errors by some patterns in its temperature."""
+    """
+    The step with the errors by some patterns in its temperature.
+
+    Parameters
+    ----------
+    case : Case
+        Record of the step, on its own steps.
+    step : Step
+        The last one.
+    patterns : tuple of Pattern
+        Patterns of its residual.
+
+    Returns
+    -------
+    Step
+    """
     drivers = drivers_of(patterns)
     record = case.placed_for(case.whole, behind(drivers))
     inputs = completed(record.inputs, drivers)
@@ -110,7 +130,21 @@ def with_patterns(case: "Case", step: "Step", patterns: tuple[Pattern, ...]) -> 
 
 
 def pattern_findings(tables: list[Table], least: float) -> list[Finding]:
-    """Some tables as findings."""
+    """
+    Some tables as findings.
+
+    Parameters
+    ----------
+    tables : list of Table
+        Unexplained patterns.
+    least : float
+        Variance that was material. [K²]
+
+    Returns
+    -------
+    list of Finding
+        In the order of the tables.
+    """
     return [
         Finding(
             table.name,

@@ -465,7 +465,21 @@ def dates_cost(one: Candidate, sure: float) -> float:
 
 
 def rows_of(one: Candidate, design: Design) -> list[Parameter]:
-    """Rows of the parameters of a candidate's columns."""
+    """
+    Rows of the parameters of a candidate's columns.
+
+    Parameters
+    ----------
+    one : Candidate
+        An effect, or a change at its dates.
+    design : Design
+        The design that has its columns.
+
+    Returns
+    -------
+    list of Parameter
+        One for each column of the candidate; all of an effect with a sensor fault.
+    """
     rows = one.effect.rows()
     if one.effect.sensor_fault:
         return [*rows.values()]
@@ -555,13 +569,25 @@ def size_seen(
     """
     How many times an estimate has to be to be there with a probability.
 
-    The other parameters are those of :func:`existence`.
-
     Parameters
     ----------
+    one : Candidate
+        Candidate with its prior odds.
+    rows : sequence of Parameter
+        Of its coefficients.
     way : array, shape (coefficients,)
         The estimate.
+    covariance : array, shape (coefficients, coefficients)
+        That the estimate would have by accident.
+    freedom : float
+        Of the covariance. [weeks]
     probability : float
+        Least probability, see :func:`existence`.
+
+    Returns
+    -------
+    float
+        Factor of the estimate; infinite if no size is enough.
     """
     plain, wide, volume = distances(rows, way, covariance)
     log_odds = np.log(probability / (1.0 - probability))

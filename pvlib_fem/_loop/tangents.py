@@ -117,6 +117,7 @@ def gather(
     Parameters
     ----------
     model : ThermalModel
+        Model with the effects that are fitted.
     coefficients : dict
         All of the model's.
     record : Record
@@ -124,10 +125,16 @@ def gather(
     seen : array of bool, shape (rows,)
         Rows that count. Where a driver is missing they do not count for its effect.
     candidates : sequence of Effect
+        Effects that are not in the model.
     fixed : sequence of str
         Coefficients that are held, or at a bound, where they stay.
     least : float
         Gain from which the edges of an obstacle before the sun are fitted. [K]
+
+    Returns
+    -------
+    Evidence
+        Tangents of the model and of the candidates, and the residual.
     """
     # coefficients of its effects as they are fitted now
     model = replace(model, base={**coefficients, **(model.base or {})})

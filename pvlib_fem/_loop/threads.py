@@ -14,9 +14,15 @@ RUNNING: list[threadpool_limits] = []
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
     """
-    The number of threads is the process's own, so that only the last loop frees it.
+    Context in which BLAS runs on one thread.
 
-    Else a loop that ends while another runs would give back what it found: one.
+    The number of threads is the process's own, so that only the last loop restores it.
+    Else a loop that ends while another runs would restore the number that it found:
+    one.
+
+    Yields
+    ------
+    None
     """
     with LOCK:
         RUNNING.append(threadpool_limits(limits=1, user_api="blas"))
@@ -31,5 +37,12 @@ def one_blas_thread() -> Iterator[None]:
 
 
 def one_thread_of_trees() -> threadpool_limits:
-    """Trees on one thread, since sums over several have other last bits."""
+    """
+    Trees on one thread, since sums over several have other last bits.
+
+    Returns
+    -------
+    threadpool_limits
+        Context manager that restores the number of threads.
+    """
     return threadpool_limits(limits=1, user_api="openmp")

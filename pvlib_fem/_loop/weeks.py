@@ -25,7 +25,19 @@ class Part(IntEnum):
 
 
 def named(parts: np.ndarray) -> "pd.Categorical[str]":
-    """The parts of rows by name, as users see them: ``fitting`` or ``test``."""
+    """
+    The parts of rows by name, as users see them: ``fitting`` or ``test``.
+
+    Parameters
+    ----------
+    parts : array of Part, shape (rows,)
+        What each row is for, see :func:`.weeks.parts`.
+
+    Returns
+    -------
+    Categorical, length rows
+        Its categories are the parts that occur.
+    """
     there = [part.name.lower() for part in Part if (parts == part).any()]
     names = pd.Index([part.name.lower() for part in Part])
     return pd.Categorical.from_codes(parts, names).set_categories(there)
@@ -73,7 +85,18 @@ def parts(
 
 
 def fitted_weeks(spared: Collection[int]) -> Iterator[str]:
-    """A line on each week that would be a test week if no standstill had an edge."""
+    """
+    A line on each week that would be a test week if no standstill had an edge.
+
+    Parameters
+    ----------
+    spared : collection of int
+        Days from 1970-01-01 that are no test days.
+
+    Yields
+    ------
+    str
+    """
     weeks = {int(calendar_weeks(np.array(day))): day for day in sorted(spared)[::-1]}
     for first in sorted(weeks.values()):
         yield (
