@@ -18,7 +18,23 @@ FAR = 8.0  # m/s, second point of a line in wind; the first is calm air
 
 
 def fast(rows: int, effects: tuple, also: Any = None) -> bool:
-    """Whether the loops can solve a record of so many rows, and the terms ``also``."""
+    """
+    Whether the compiled loops can solve a record, and it is long enough to load them.
+
+    Parameters
+    ----------
+    rows : int
+        Number of rows.
+    effects : tuple of FixedTerms or LinearisedEffect
+        Effects of the model.
+    also : dict of Terms, optional
+        Slopes of further terms.
+
+    Returns
+    -------
+    bool
+        False without numba.
+    """
     if rows < LONG or any(is_beyond_them(effect) for effect in effects):
         return False
     if also and any(is_there(one.capacity) for one in also.values()):

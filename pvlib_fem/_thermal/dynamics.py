@@ -13,7 +13,26 @@ from pvlib_fem.effects._effect import Terms, is_there
 def resistance(
     steady_model: SteadyModel, own: dict, wind: float | np.ndarray, loss: Any
 ) -> tuple:
-    """Resistance with further losses, and its ratio to that of the steady model."""
+    """
+    Resistance with further losses, and its ratio to that of the steady model.
+
+    Parameters
+    ----------
+    steady_model : SteadyModel
+    own : dict
+        Coefficients of the steady model.
+    wind : float or array, shape (rows,)
+        [m/s]
+    loss : float or array, shape (rows,)
+        Added to the loss of the steady model. [W/(m² K)]
+
+    Returns
+    -------
+    r_eq : float or array, shape (rows,)
+        NaN where the total loss is not positive. [K m²/W]
+    share : float or array, shape (rows,)
+        [-]
+    """
     r_steady = steady_model.resistance(wind, **own)
     if not is_there(loss):
         return r_steady, 1.0
@@ -40,7 +59,28 @@ def resistance_slopes(
 def steady(
     steady_model: SteadyModel, own: dict, inputs: Inputs, added: Terms, slopes: dict
 ) -> tuple[np.ndarray, dict]:
-    """T = T_air + heat·r_eq."""
+    """
+    Temperature without memory, ``T = T_air + heat·r_eq``.
+
+    Parameters
+    ----------
+    steady_model : SteadyModel
+    own : dict
+        Coefficients of the steady model.
+    inputs : Inputs
+        With ``temp_air`` and ``wind_speed``.
+    added : Terms
+        All terms of the equation, with the irradiance in ``heat``.
+    slopes : dict of Terms
+        Slopes of the terms by name; empty if no slopes are needed.
+
+    Returns
+    -------
+    temperature : array, shape (rows,)
+        Of the module, without ``gain`` and ``offset`` of the sensor. [°C]
+    slopes : dict of float or array, shape (rows,)
+        By parameter of the steady model, and by name of ``slopes``. [K per unit]
+    """
     wind = inputs["wind_speed"]
     r_eq, share = resistance(steady_model, own, wind, added.loss)
     temperature = inputs["temp_air"] + added.heat * r_eq
@@ -96,7 +136,33 @@ def smoothed(
     tau: float,
     past: Past,
 ) -> tuple[np.ndarray, dict]:
-    """Temperature of the paper's form: the steady model on smoothed heat and wind."""
+    """
+    Temperature of the paper's form: the steady model on smoothed heat and wind.
+
+    Parameters
+    ----------
+    steady_model : SteadyModel
+    own : dict
+        Coefficients of the steady model.
+    inputs : Inputs
+        A block of rows with ``temp_air`` and ``wind_speed``.
+    added : Terms
+        All terms of the equation, with the irradiance in ``heat``.
+    slopes : dict of Terms
+        Slopes of the terms by name; empty if no slopes are needed.
+    tau : float
+        Time constant. [s]
+    past : Past
+        State before the block; it is updated to the end of the block.
+
+    Returns
+    -------
+    temperature : array, shape (rows,)
+        Of the module, without ``gain`` and ``offset`` of the sensor. [°C]
+    slopes : dict of float or array, shape (rows,)
+        By parameter of the steady model, by ``tau``, and by name of ``slopes``. [K per
+        unit]
+    """
     given = inputs.steps, tau / inputs.unit, past, bool(slopes)
     heat = Smooth("heat", added.heat, *given)
     wind = Smooth("wind", inputs["wind_speed"], *given)
@@ -129,7 +195,31 @@ def balanced(
     slopes: dict,
     past: Any,
 ) -> tuple[np.ndarray, dict]:
-    """Temperature by the exact heat balance; its time constant is capacity·r_eq."""
+    """
+    Temperature by the exact heat balance; its time constant is capacity·r_eq.
+
+    Parameters
+    ----------
+    steady_model : SteadyModel
+    own : dict
+        Coefficients of the steady model.
+    inputs : Inputs
+        A block of rows with ``temp_air`` and ``wind_speed``.
+    added : Terms
+        All terms of the equation, with the irradiance in ``heat`` and a positive
+        ``capacity``.
+    slopes : dict of Terms
+        Slopes of the terms by name; empty if no slopes are needed.
+    past : Past
+        State before the block; it is updated to the end of the block.
+
+    Returns
+    -------
+    temperature : array, shape (rows,)
+        Of the module, without ``gain`` and ``offset`` of the sensor. [°C]
+    slopes : dict of float or array, shape (rows,)
+        By parameter of the steady model, and by name of ``slopes``. [K per unit]
+    """
     wind = inputs["wind_speed"]
     r_eq, share = resistance(steady_model, own, wind, added.loss)
     target = inputs["temp_air"] + added.heat * r_eq

@@ -462,7 +462,20 @@ class ThermalModel:
 
 
 def blocks(rows: int, size: int = BLOCK) -> list:
-    """Slices of so many rows, each so short that its columns stay in the cache."""
+    """
+    Slices of so many rows, each so short that its columns stay in the cache.
+
+    Parameters
+    ----------
+    rows : int
+        Number of all rows.
+    size : int, optional
+        Most rows of a block.
+
+    Returns
+    -------
+    list of slice
+    """
     return [slice(start, min(start + size, rows)) for start in range(0, rows, size)]
 
 
@@ -494,7 +507,24 @@ def is_share(effect: Effect) -> bool:
 
 
 def as_in_a_fit(inputs: Any) -> Inputs:
-    """Inputs as a fit takes them, with a warning of impossible values."""
+    """
+    Inputs as a fit takes them, with a warning of impossible values.
+
+    Parameters
+    ----------
+    inputs : Inputs
+        With ``poa_global``.
+
+    Returns
+    -------
+    Inputs
+        Impossible values are NaN, and negative irradiance is 0.
+
+    Warns
+    -----
+    UserWarning
+        Naming columns, number of values, and the first value and its time.
+    """
     columns, said = dict(inputs.columns), []
     for name, values in inputs.columns.items():
         outside = out_of_range(name, values)
@@ -522,7 +552,30 @@ def thermal_model(
     base: Any = None,
     held: dict | None = None,
 ) -> ThermalModel:
-    """The thermal model with that steady model; ValueError for a callable."""
+    """
+    The thermal model with the steady model of that name.
+
+    Parameters
+    ----------
+    model : str
+        Name in :data:`STEADY_MODELS`.
+    dynamics : str
+        ``"steady"``, ``"ewm"`` or ``"balance"``.
+    effects : iterable of Effect, optional
+    base : dict, optional
+        Coefficients of the model without effects.
+    held : dict, optional
+        Coefficients that a fit does not vary.
+
+    Returns
+    -------
+    ThermalModel
+
+    Raises
+    ------
+    ValueError
+        If the model is a callable, or the model or the dynamics are unknown.
+    """
     if callable(model):
         raise ValueError(
             "a fit needs the slopes of the model, so it takes a name and no "

@@ -10,7 +10,19 @@ from pvlib_fem.effects._effect import Effect
 
 
 def content_of(model: ThermalModel, coefficients: dict) -> dict:
-    """Content of a file from which :func:`model_of` makes an equal model."""
+    """
+    Content of a file from which :func:`model_of` makes an equal model.
+
+    Parameters
+    ----------
+    model : ThermalModel
+    coefficients : dict
+        All coefficients by name.
+
+    Returns
+    -------
+    dict
+    """
     return {
         "model": model.steady_model.name,
         "dynamics": model.dynamics,

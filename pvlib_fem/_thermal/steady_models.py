@@ -175,7 +175,23 @@ def wm2_slopes(
 def pvsyst_line(
     u_c: float, u_v: float, module_efficiency: float, alpha_absorption: float
 ) -> tuple[float, float]:
-    """Loss per absorbed irradiance as a line in wind, Faiman's u0 and u1."""
+    """
+    Loss per absorbed irradiance as a line in wind, Faiman's u0 and u1.
+
+    Parameters
+    ----------
+    u_c : float
+        Loss in calm air. [W/(m² K)]
+    u_v : float
+        Its increase with wind. [W s/(m³ K)]
+    module_efficiency, alpha_absorption : float
+        [-]
+
+    Returns
+    -------
+    tuple of float
+        u0 [W/(m² K)] and u1 [W s/(m³ K)].
+    """
     absorbed = alpha_absorption * (1.0 - module_efficiency)
     return u_c / absorbed, u_v / absorbed
 
@@ -209,7 +225,21 @@ def noct_slopes(wind_speed: np.ndarray, noct: float) -> dict:
 def noct_sam_line(
     noct: float, module_efficiency: float, transmittance_absorptance: float
 ) -> tuple[float, float]:
-    """SAM's loss as a line in wind: 0.6 of it in calm air, 0.4 grow with the wind."""
+    """
+    SAM's loss as a line in wind: 0.6 of it in calm air, 0.4 grow with the wind.
+
+    Parameters
+    ----------
+    noct : float
+        Above 20 °C. [°C]
+    module_efficiency, transmittance_absorptance : float
+        [-]
+
+    Returns
+    -------
+    tuple of float
+        Faiman's u0 [W/(m² K)] and u1 [W s/(m³ K)].
+    """
     heat = 1.0 - module_efficiency / transmittance_absorptance
     loss = 800.0 / (noct - 20.0) / heat
     return 0.6 * loss, 0.4 * SHELTER * loss
@@ -311,7 +341,24 @@ STEADY_MODELS = {
 
 
 def steady_model(model: str, given: dict | tuple = ()) -> SteadyModel:
-    """The steady model of that name; ``"noct"`` for ``"ross"`` with a NOCT given."""
+    """
+    The steady model of that name; ``"noct"`` for ``"ross"`` with a NOCT given.
+
+    Parameters
+    ----------
+    model : str
+    given : collection of str, optional
+        Names of the given coefficients.
+
+    Returns
+    -------
+    SteadyModel
+
+    Raises
+    ------
+    ValueError
+        If there is no such model.
+    """
     if model == "ross" and "noct" in given:
         model = "noct"
     if not isinstance(model, str) or model not in STEADY_MODELS:

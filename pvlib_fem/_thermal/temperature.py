@@ -351,7 +351,27 @@ def driver_inputs(
 def losing(
     chosen: SteadyModel, wind: np.ndarray | pd.Series, coefficients: dict
 ) -> np.ndarray | pd.Series:
-    """Resistance of a steady model; ValueError if it is not positive. [K m²/W]"""
+    """
+    Resistance of a steady model, if it is positive at all winds.
+
+    Parameters
+    ----------
+    chosen : SteadyModel
+    wind : array or Series, shape (rows,)
+        NaN is ignored. [m/s]
+    coefficients : dict
+        All coefficients of the steady model.
+
+    Returns
+    -------
+    array or Series, shape (rows,)
+        [K m²/W]
+
+    Raises
+    ------
+    ValueError
+        If it is zero or negative at a wind.
+    """
     r_eq = chosen.resistance(wind, **coefficients)
     if not np.nanmin(np.asarray(r_eq), initial=np.inf) > 0:
         raise ValueError(
@@ -380,7 +400,19 @@ def state(initial: Any, name: Any) -> float | pd.Series:
 
 
 def refuse_dynamic(model: Callable) -> None:
-    """Refuse functions that have a memory of their own."""
+    """
+    Refuse functions of pvlib and of this package that have a memory of their own.
+
+    Parameters
+    ----------
+    model : callable
+        Perhaps a :class:`functools.partial` of such a function.
+
+    Raises
+    ------
+    ValueError
+        If it is one of them.
+    """
     model = getattr(model, "func", model)  # of a functools.partial
     name = getattr(model, "__name__", "")
     if name in DYNAMIC and model.__module__.startswith(("pvlib.", "pvlib_fem.")):

@@ -124,6 +124,10 @@ def measured_of(
         Function from a record, its fitted rows and ``holdout`` to the held-out rows.
     holdout : Series of bool or None
 
+    Returns
+    -------
+    Measured or None
+
     Raises
     ------
     ValueError

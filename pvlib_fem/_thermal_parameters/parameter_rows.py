@@ -70,7 +70,18 @@ class Row:
 
 
 def table_of(rows: Iterable) -> pd.DataFrame:
-    """The table of some rows."""
+    """
+    The table of some rows.
+
+    Parameters
+    ----------
+    rows : iterable of Row
+
+    Returns
+    -------
+    DataFrame
+        :data:`COLUMNS` by ``convention`` and ``parameter``.
+    """
     rows = [*rows]
     index = pd.MultiIndex.from_tuples(
         [(row.convention, row.name) for row in rows], names=["convention", "parameter"]

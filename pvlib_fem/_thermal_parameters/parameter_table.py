@@ -37,7 +37,43 @@ def thermal_parameters(
     deltaT: float | None = None,
     with_bias: bool = True,
 ) -> pd.DataFrame:
-    """The table of :meth:`FemFit.thermal_parameters`."""
+    """
+    The thermal parameters of a fit, see :meth:`pvlib_fem.FemFit.thermal_parameters`.
+
+    Parameters
+    ----------
+    fit : FemFit
+    out_of : callable
+        Function from a record, its fitted rows and ``holdout`` to the held-out rows.
+    data : DataFrame, optional
+        The record; by default that of the fit.
+    holdout : Series of bool, optional
+        Held-out rows of ``data``.
+    typical_year : DataFrame, optional
+        Weather of a year for T98.
+    wind_height : float, optional
+        Height of the anemometer above ground. [m]
+    exponent : float, default 1/7
+        Exponent of the wind profile. [-]
+    surface_tilt : float, optional
+        Tilt of the module, for the conditions. [°]
+    module_efficiency, absorptance : float, default 0.2 and 0.9
+        Of the module. [-]
+    deltaT : float, optional
+        Cell minus back temperature at 1000 W/m²; by default that of the fit's file. [K]
+    with_bias : bool, default True
+        Whether the fit's bias is part of the module's temperature.
+
+    Returns
+    -------
+    DataFrame
+        See :func:`~pvlib_fem._thermal_parameters.parameter_rows.table_of`.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range, or a column is missing.
+    """
     check(wind_height, exponent, surface_tilt, module_efficiency, absorptance, deltaT)
     if deltaT is None:
         deltaT = cell_of(fit)

@@ -82,7 +82,18 @@ class Convention:
 
 
 def conventions(module_efficiency: float, absorptance: float) -> list:
-    """All conventions of the table, in order."""
+    """
+    All conventions of the table, in order.
+
+    Parameters
+    ----------
+    module_efficiency, absorptance : float
+        Of the module. [-]
+
+    Returns
+    -------
+    list of Convention
+    """
     faiman = {"u0": "W/(m² K)", "u1": "W s/(m³ K)"}
     sandia = {"a": "ln(K m²/W)", "b": "s/m"}
     pvsyst = {"u_c": "W/(m² K)", "u_v": "W s/(m³ K)"}
@@ -282,6 +293,17 @@ def steady_rows(steady: Any, chosen: list) -> Iterator:
 
 
 def joined(*notes: str) -> Any:
+    """
+    Notes in one line, without those that are empty.
+
+    Parameters
+    ----------
+    *notes : str
+
+    Returns
+    -------
+    str
+    """
     return "; ".join(filter(None, notes))
 
 
@@ -321,7 +343,18 @@ def of_cell(steady: Steady, convention: str, like: dict) -> Row:
 
 
 def nmot_row(steady: Any) -> Row:
-    """The row of the fit's temperature at 800 W/m², 20 °C of air and 1 m/s."""
+    """
+    The row of the fit's temperature at 800 W/m², 20 °C of air and 1 m/s.
+
+    Parameters
+    ----------
+    steady : Steady
+
+    Returns
+    -------
+    Row
+        NMOT of the fit. [°C]
+    """
 
     def nmot(coefficients: dict) -> float | np.ndarray:
         curve = steady.curve(coefficients, "module")
@@ -338,7 +371,18 @@ def nmot_row(steady: Any) -> Row:
 
 
 def memory_rows(steady: Any) -> Iterator:
-    """Rows of time constants by wind, for samples at the end of steps and for means."""
+    """
+    Rows of time constants by wind, for samples at the end of steps and for means.
+
+    Parameters
+    ----------
+    steady : Steady
+
+    Yields
+    ------
+    Row
+        Time constant at 1, 3 and 5 m/s, for each kind of sample. [s]
+    """
     fit, why = steady.fit, ""
     if fit.dynamics == "steady":
         why = "dynamics='steady' has no memory; fit with 'balance' or 'ewm'"

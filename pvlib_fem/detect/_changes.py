@@ -68,7 +68,18 @@ class LevelChanges:
 
 
 def dates_of(days: np.ndarray) -> pd.DatetimeIndex:
-    """Dates of numbers of days since 1970-01-01."""
+    """
+    Dates of numbers of days since 1970-01-01.
+
+    Parameters
+    ----------
+    days : array of int, shape (days,)
+
+    Returns
+    -------
+    DatetimeIndex
+        Midnights without a zone.
+    """
     return EPOCH + pd.to_timedelta(np.asarray(days), unit="D")
 
 
@@ -84,7 +95,24 @@ def result(
     """
     Changes from the first row of each new level and the logarithm of each step.
 
-    ``days`` are numbers of the first of ``length`` days that a row stands for.
+    Parameters
+    ----------
+    days : array of int, shape (rows,)
+        First day of each row, since 1970-01-01.
+    new : array of int, shape (steps,)
+        First row of each level but the first.
+    sizes : list or array of float, shape (steps,)
+        Logarithm of each level over the one before. [-]
+    reference : str
+        With what the sensor was compared.
+    drift, error : float, optional
+        Drift and its standard error. [1/year]
+    length : int, default 1
+        Days that a row stands for.
+
+    Returns
+    -------
+    LevelChanges
     """
     dates, day = dates_of(days), pd.Timedelta(days=1)
     parts = np.searchsorted(new, np.arange(len(days)), side="right")
@@ -101,7 +129,18 @@ def result(
 
 
 def new_levels(path: Path) -> np.ndarray:
-    """The first row of each level but the first."""
+    """
+    The first row of each level but the first.
+
+    Parameters
+    ----------
+    path : Path
+        Of rows in order of time.
+
+    Returns
+    -------
+    array of int, shape (steps,)
+    """
     return np.flatnonzero(np.diff(path.level)) + 1
 
 
@@ -114,9 +153,13 @@ def compared(one: DailyDeviation, law: Law) -> LevelChanges:
 
     Parameters
     ----------
-    one : Apart
+    one : DailyDeviation
         By how much the logarithm of the reference is above that of the sensor.
     law : Law
+
+    Returns
+    -------
+    LevelChanges
     """
     values = np.median(one.apart) - one.apart
     new = new_levels(most_probable(one.days, values, law))

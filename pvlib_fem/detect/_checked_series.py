@@ -16,7 +16,27 @@ from pvlib_fem._record.checks import (
 
 
 def checked(**series: pd.Series | None) -> Any:
-    """The one index of some Series, and their values; what is no Series is refused."""
+    """
+    The one index of some Series, and their values.
+
+    Parameters
+    ----------
+    **series : Series or None
+        At least one is not None.
+
+    Returns
+    -------
+    index : DatetimeIndex
+    values : list of array, shape (rows,), or None
+        In the order of the arguments.
+
+    Raises
+    ------
+    TypeError
+        If an argument is no Series, or has no DatetimeIndex.
+    ValueError
+        If the indexes differ, times are not sorted, or a value is infinite or text.
+    """
     given = {name: one for name, one in series.items() if one is not None}
     for name, one in given.items():
         if not isinstance(one, pd.Series):
@@ -36,6 +56,16 @@ def checked(**series: pd.Series | None) -> Any:
 
 
 def seconds_of(index: pd.DatetimeIndex) -> np.ndarray:
-    """Times since the first. [s]"""
+    """
+    Times since the first. [s]
+
+    Parameters
+    ----------
+    index : DatetimeIndex
+
+    Returns
+    -------
+    array, shape (rows,)
+    """
     times = instants(index)
     return (times - times[:1]) / np.timedelta64(1, "s")

@@ -69,7 +69,22 @@ def enough(step: str, rows: int, at_least: int, condition: str, remedy: str) -> 
 
 
 def regression(x: Any, y: Any, intercept: bool = True) -> tuple[float, float]:
-    """Slope and intercept of a regression line."""
+    """
+    Slope and intercept of a regression line.
+
+    Parameters
+    ----------
+    x, y : array or Series, shape (points,)
+    intercept : bool, default True
+        Without it the line goes through the origin.
+
+    Returns
+    -------
+    slope : float
+        [unit of ``y`` per unit of ``x``]
+    intercept : float
+        0 without an intercept. [unit of ``y``]
+    """
     if not intercept:
         return float(x @ y / (x @ x)), 0.0
     slope, constant = np.polyfit(x, y, 1)
@@ -196,8 +211,30 @@ def r_m(
     """
     Resistance of the module itself: slope of T_o over irradiance in high wind.
 
-    This is Eq. 13. Parameters are those of :func:`r_eq_max`; from the wind speed
-    ``high_wind`` [m/s] on, the resistance of the air films is neglected.
+    This is Eq. 13; in high wind the resistance of the air films is neglected.
+
+    Parameters
+    ----------
+    poa_global, temp_air, wind_speed, temp_module : Series
+        [W/m²], [°C], [m/s], [°C]
+    high_wind : float, default 6
+        Wind speed from which the wind counts as high. [m/s]
+    intercept : bool, default True
+        Whether the line has an intercept, as in :func:`r_eq_max`.
+    min_points : int, default 20
+        Least number of five-minute averages.
+    offset : float, default 0
+        Over-temperature without irradiance, which is subtracted. [K]
+
+    Returns
+    -------
+    Estimate
+        [K m²/W], with the line's ``intercept`` [K], which includes the ``offset``.
+
+    Raises
+    ------
+    ValueError
+        If there are too few averages in high wind.
     """
     frame = averages(poa_global, temp_air, wind_speed, temp_module)
     frame = frame[frame["wind_speed"] >= high_wind]
@@ -218,7 +255,12 @@ def r_film(r_eq_max: Estimate, r_m: Estimate) -> Estimate:
     Parameters
     ----------
     r_eq_max, r_m : Estimate
-        [K m²/W]
+        From :func:`r_eq_max` and :func:`r_m`. [K m²/W]
+
+    Returns
+    -------
+    Estimate
+        The smaller number of points of both. [K m²/W]
     """
     points = min(r_eq_max.points, r_m.points)
     return Estimate(r_eq_max.value - r_m.value, "K m²/W", points)
@@ -237,14 +279,19 @@ def d(
     """
     Wind coefficient of WM1: slope of -WS over ln(T_o/(k·G)) in high irradiance.
 
-    This is the second of the two regressions of WM1 (Eq. 18), with ``k`` [K m²/W] from
-    the first (:func:`r_eq_max`). Other parameters are those of :func:`r_eq_max`.
+    This is the second of the two regressions of WM1 (Eq. 18).
 
     Parameters
     ----------
+    poa_global, temp_air, wind_speed, temp_module : Series
+        [W/m²], [°C], [m/s], [°C]
+    k : float
+        From the first regression, :func:`r_eq_max`. [K m²/W]
     poa_min : float, default 600
         Limit of high irradiance; the paper gives no number, this one is the package's.
         [W/m²]
+    min_points : int, default 10
+        Least number of five-minute averages.
     offset : float, default 0
         Over-temperature without irradiance, which is subtracted. If ``k`` is the slope
         of a line with an intercept, give that intercept; otherwise it biases d. [K]
@@ -291,7 +338,14 @@ def k_w_bins(
     Slopes of over-temperature over wind by irradiance, for :func:`k_w`.
 
     For each irradiance bin of 20 W/m² between 200 and 1000 W/m² this is the slope of
-    T_o over wind from 0.5 to 8 m/s (Fig. 5). Parameters are those of :func:`k_w`.
+    T_o over wind from 0.5 to 8 m/s (Fig. 5).
+
+    Parameters
+    ----------
+    poa_global, temp_air, wind_speed, temp_module : Series
+        [W/m²], [°C], [m/s], [°C]
+    min_points : int, default 10
+        Least number of averages of a bin.
 
     Returns
     -------

@@ -25,7 +25,22 @@ OFFSETS = ("night", "calm")  # names of offsets; others are a number [K], or Non
 
 
 def refuse_paper(target: ThermalModel, fixed: Any, night: bool) -> None:
-    """Refuse models and options that the paper's recipe does not have."""
+    """
+    Refuse models and options that the paper's recipe does not have.
+
+    Parameters
+    ----------
+    target : ThermalModel
+    fixed : dict or None
+        Coefficients that the user holds.
+    night : bool
+        Whether night rows are fitted.
+
+    Raises
+    ------
+    ValueError
+        Naming the option that ``method="paper"`` does not have, and the remedy.
+    """
     name, paper = target.steady_model.name, argument("method", "paper")
     if name not in MODELS:
         has = f" has no {name}; it has {', '.join(MODELS)}, or use "
@@ -48,7 +63,34 @@ def fit_paper(
     calm_wind: float,
     offset: float | str | None,
 ) -> FemFit:
-    """Fit a model to a record in memory by the paper's recipe."""
+    """
+    Fit a model to a record in memory by the paper's recipe.
+
+    Parameters
+    ----------
+    frame : Frame
+        The checked record, its rows that count and its held-out rows.
+    target : ThermalModel
+        Without effects and with ``"steady"`` or ``"ewm"`` as dynamics.
+    notes : list of str
+        Notes of the fit; those of the recipe are appended.
+    calm_wind : float
+        Wind speed below which the air counts as calm. [m/s]
+    offset : float, str or None
+        Over-temperature without irradiance [K], ``"night"`` or ``"calm"``; None
+        subtracts nothing.
+
+    Returns
+    -------
+    FemFit
+        Without standard errors.
+
+    Raises
+    ------
+    ValueError
+        If a step has too few points, the coefficients make no model, or the offset is
+        unknown.
+    """
     train, kept = frame.counts, ~frame.out
     stages = paper_stages(target, frame.record, train, kept, calm_wind, offset, notes)
     found, own = last(stages)[1], frame.ended(*requests_of(stages), ())[1]
@@ -70,7 +112,35 @@ def paper_stages(
     offset: float | str | None,
     notes: list,
 ) -> dict:
-    """Model and coefficients after each step of the paper's recipe."""
+    """
+    Model and coefficients after each step of the paper's recipe.
+
+    Parameters
+    ----------
+    target : ThermalModel
+        Without effects and with ``"steady"`` or ``"ewm"`` as dynamics.
+    record : Record
+    train, not_held_out : array of bool, shape (rows,)
+        Fitted rows, and all rows that are not held out, nights included.
+    calm_wind : float
+        Wind speed below which the air counts as calm. [m/s]
+    offset : float, str or None
+        Over-temperature without irradiance [K], ``"night"`` or ``"calm"``; None
+        subtracts nothing.
+    notes : list of str
+        Notes of the steps are appended.
+
+    Returns
+    -------
+    dict of (ThermalModel, dict)
+        Model and coefficients by step: ``standard``, ``filter``, ``ewm`` and ``fem``.
+
+    Raises
+    ------
+    ValueError
+        If a step has too few points, the coefficients make no model, or the offset is
+        unknown.
+    """
     frame = pd.DataFrame({n: record[n] for n in COLUMNS}, record.index)
     everything, rows = (
         tuple(frame.loc[part, name] for name in COLUMNS)

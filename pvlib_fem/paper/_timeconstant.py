@@ -133,13 +133,25 @@ def step_changes(
     """
     Step changes that the paper regresses (Fig. 6).
 
-    Parameters are those of :func:`time_constant`.
+    Parameters
+    ----------
+    poa_global, temp_air, wind_speed, temp_module : Series
+        [W/m²], [°C], [m/s], [°C]
+    interval : str, default "5min"
+        Length of an average, no shorter than the record's step.
+    apart : int, default 4
+        Intervals between the two ends of a step change.
 
     Returns
     -------
     DataFrame
         Changes of ``poa_global`` [W/m²] and ``over`` [K], and the lower edge of the bin
         of ``wind_speed`` [m/s], indexed by the time of their end.
+
+    Raises
+    ------
+    ValueError
+        If the record's step is longer than the interval.
     """
     check_interval(poa_global.index, interval)
     frame = averages(poa_global, temp_air, wind_speed, temp_module, interval)
