@@ -361,13 +361,39 @@ def open_parquet(
 
 
 def is_data_set(data: object) -> TypeGuard[ParquetRecord | FilePath]:
-    """Whether an argument names Parquet files, rather than being columns."""
+    """
+    Whether an argument names Parquet files, rather than being columns.
+
+    Parameters
+    ----------
+    data : object
+
+    Returns
+    -------
+    bool
+        True for a text, a path, a :class:`ParquetRecord` and a Dataset of pyarrow.
+    """
     kinds = str, os.PathLike, ParquetRecord
     return isinstance(data, kinds) or hasattr(data, "get_fragments")
 
 
 def as_source(data: ParquetRecord | FilePath) -> ParquetRecord:
-    """A data set as it is opened, if it is not yet."""
+    """
+    A data set as it is opened, if it is not yet.
+
+    Parameters
+    ----------
+    data : ParquetRecord, str, path-like or pyarrow.dataset.Dataset
+
+    Returns
+    -------
+    ParquetRecord
+
+    Raises
+    ------
+    ValueError
+        If it cannot be opened, see :func:`open_parquet`.
+    """
     return data if isinstance(data, ParquetRecord) else open_parquet(data)
 
 
@@ -390,7 +416,18 @@ def utc_of(index: pd.DatetimeIndex) -> pd.DatetimeIndex:
 
 
 def write_parquet(path: FilePath, blocks: Iterable[tuple], name: str) -> None:
-    """Write a column of blocks of times and values as one file, whole or not at all."""
+    """
+    Write a column of blocks of times and values as one file, whole or not at all.
+
+    Parameters
+    ----------
+    path : str or path-like
+    blocks : iterable of tuple
+        DatetimeIndex and values, an array of shape (rows,), of each block in the order
+        of time.
+    name : str
+        Of the column.
+    """
     import pyarrow as pa
     import pyarrow.parquet as pq
 

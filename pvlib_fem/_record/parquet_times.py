@@ -129,7 +129,19 @@ def in_the_zone(run: Any, times_of: Any, tz: str) -> Any:
 
 
 def in_file(groups: list) -> tuple[np.ndarray, np.ndarray]:
-    """Rows of a file's row groups that are dropped, and that are late."""
+    """
+    Rows of a file that are not read, and rows that a clock shows again.
+
+    Parameters
+    ----------
+    groups : list of RowGroup
+        Of one file, in its order.
+
+    Returns
+    -------
+    dropped, late : array of int
+        Numbers of the rows in the file, counted from the first row of ``groups``.
+    """
     dropped, late, start = [], [], 0
     for group in groups:
         dropped += [start + row for row in group.dropped]

@@ -59,18 +59,55 @@ NO_CODE = -98.0, 327.0  # between which there is none
 
 
 def as_codes(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Which of some values are a logger's codes, and those as it writes them."""
+    """
+    Which of some values are a logger's codes, and how it writes them.
+
+    Parameters
+    ----------
+    values : array, shape (rows,)
+        In any unit; may be NaN.
+
+    Returns
+    -------
+    code : array of bool, shape (rows,)
+    rounded : array, shape (rows,)
+        The values with two decimals.
+    """
     rounded = np.round(values, 2)
     return np.isin(rounded, CODES) & (np.abs(values - rounded) < 1e-4), rounded
 
 
 def range_of(name: str) -> Any:
-    """What a column can hold, or None for one of which nothing is known."""
+    """
+    What a column can hold.
+
+    Parameters
+    ----------
+    name : str
+        Package's name; other temperatures begin with ``temp_``.
+
+    Returns
+    -------
+    Range or None
+        None for a column of which nothing is known.
+    """
     other = RANGES["temp_"] if name.startswith("temp_") else None
     return RANGES.get(name, other)
 
 
 def possible(name: str) -> tuple[float, float, str]:
-    """Least and most that a sensor can read, and the unit, or None for any other."""
+    """
+    Least and most that a sensor can read.
+
+    Parameters
+    ----------
+    name : str
+        Package's name; other temperatures begin with ``temp_``.
+
+    Returns
+    -------
+    (float, float, str) or None
+        Least, most and their unit; None for a column of which nothing is known.
+    """
     found = range_of(name)
     return found and found[:3]

@@ -19,12 +19,22 @@ def coarse(record: Record, step: float = 300.0, present: float = 0.5) -> Record:
     The record in means over longer steps, or as it is where they are long enough.
 
     An input is held over the step that ends at its sample, so inputs are means up
-    to a time, and the module's temperature is the mean around it. ``present`` is the
-    share of a step's rows that have to be there.
+    to a time, and the module's temperature is the mean around it. Angles of the plane
+    are those at the end of a step.
+
+    Parameters
+    ----------
+    record : Record
+    step : float, default 300
+        Length of the longer steps, counted from midnight UTC before the first row. [s]
+    present : float, default 0.5
+        Share of a step's rows that have to be there; else the mean is NaN. [-]
 
     Returns
     -------
     Record
+        ``record`` itself if its median step is more than half of ``step``, or it has
+        one row.
     """
     usual = usual_step(record.index)
     if not usual <= step / 2.0:  # or of one row
@@ -147,7 +157,22 @@ def grown(values: np.ndarray, size: int) -> np.ndarray:
 def covered(
     masks: tuple, record: Record, other: Record
 ) -> list | tuple[np.ndarray, np.ndarray]:
-    """Rows of the coarse record in whose step each of some masks holds for any row."""
+    """
+    Rows of the coarse record in whose step each of some masks holds for any row.
+
+    Parameters
+    ----------
+    masks : sequence of array of bool, shape (rows,)
+        On the rows of ``record``.
+    record : Record
+    other : Record
+        The coarse one, or ``record`` itself.
+
+    Returns
+    -------
+    sequence of array of bool, shape (coarse rows,)
+        One for each mask; ``masks`` themselves if the records are the same.
+    """
     if other is record:
         return masks
     # how many rows are over at the end of each step; what is later is of none

@@ -42,7 +42,19 @@ def names_of(tz: str | None) -> Any:
 
 
 def zones_of(column: Any) -> Any:
-    """The zones that the letters of times may mean, where these are of several."""
+    """
+    The zones that the letters of times may mean, where these are of several.
+
+    Parameters
+    ----------
+    column : Series of str
+
+    Returns
+    -------
+    list of str
+        The most usual first, only those that have all letters of the column if any has;
+        empty where no letters are of several zones.
+    """
     found = {last_letters(text) for text in column.astype(str).unique()}
     zones = [SEVERAL[letters] for letters in found if letters in SEVERAL]
     # of two in one file, such as CST and CDT, the zone that has both
@@ -52,6 +64,18 @@ def zones_of(column: Any) -> Any:
 
 
 def last_letters(text: str) -> str:
+    """
+    The letters of a zone at the end of a time.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    str
+        Such as ``"CET"``; empty without any, and never AM or PM.
+    """
     found = LETTERS.findall(text)
     return found[-1] if found else ""
 
@@ -67,6 +91,14 @@ def without_letters(column: Any, time_format: str, tz: str | None = None) -> Any
         With ``%Z``.
     tz : str, optional
         The zone that the letters are of.
+
+    Returns
+    -------
+    text : Series of str
+    time_format : str
+        With a space for ``%Z``.
+    hours : array, shape (rows,)
+        Positive east of Greenwich; NaN where a text has no letters. [h]
 
     Raises
     ------

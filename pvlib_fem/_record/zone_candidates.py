@@ -76,14 +76,19 @@ def zone_of(
 
 def zone_of_offsets(clock: Any, instants: Any) -> str | None:
     """
-    The zone of a clock that changes its distance from UTC, or None.
+    The zone of a clock that changes its distance from UTC.
 
     Parameters
     ----------
-    clock : DatetimeIndex
+    clock : DatetimeIndex, shape (rows,)
         What it showed, without a zone.
-    instants : DatetimeIndex
-        When that was, in UTC.
+    instants : DatetimeIndex, shape (rows,)
+        When that was, with any zone.
+
+    Returns
+    -------
+    str or None
+        None where the distance is always equal, or is of no zone of :data:`SUMMER`.
     """
     if (clock - instants.tz_convert(None)).nunique() < 2:
         return None
@@ -119,7 +124,18 @@ def goes_back(time: Any, zone: Any) -> bool:
 
 
 def standard(zone: Any) -> Any:
-    """Hours by which a zone's standard time is before UTC."""
+    """
+    Hours by which a zone's standard time is before UTC.
+
+    Parameters
+    ----------
+    zone : str or tzinfo
+
+    Returns
+    -------
+    float
+        Positive east of Greenwich. [h]
+    """
     year = pd.DatetimeIndex(["2024-01-01", "2024-07-01"]).tz_localize(zone)
     offsets = [time.utcoffset() or timedelta() for time in year]
     return min(offsets).total_seconds() / 3600.0
