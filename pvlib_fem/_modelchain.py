@@ -256,7 +256,24 @@ class DynamicCellTemperature:
 
 
 def fit_in(stored: Stored) -> Stored:
-    """The fit in a file of a fit or a loop."""
+    """
+    The fit in a file of a fit or a loop.
+
+    Parameters
+    ----------
+    stored : Stored
+        The whole file.
+
+    Returns
+    -------
+    Stored
+        The file itself, or its part with the fit.
+
+    Raises
+    ------
+    ValueError
+        If ``cell`` has other names than ``deltaT`` and ``k_bs_c``.
+    """
     fit = stored.part("fit") if stored["format"] == LOOP else stored
     if unknown := {*fit.read("cell", dict[str, float])} - {*CELL}:
         raise ValueError(
