@@ -28,7 +28,27 @@ class DailySums:
 def errors(
     target: ThermalModel, daily: DailySums, at_bound: tuple, notes: list
 ) -> dict:
-    """Standard errors clustered by day; NaN, with a note, if they are unknown."""
+    """
+    Standard errors of the coefficients, clustered by day.
+
+    Parameters
+    ----------
+    target : ThermalModel
+        The fitted model.
+    daily : DailySums
+        At the minimum, of the coefficients that vary.
+    at_bound : tuple of str
+        Coefficients at a bound of their range; the errors of the others hold them
+        fixed.
+    notes : list of str
+        Notes on unknown and enlarged errors are appended.
+
+    Returns
+    -------
+    dict
+        Parameter to error in its unit; 0 if it is held, and NaN if it is at a bound or
+        the error is unknown.
+    """
     stderr = {
         **dict.fromkeys(target.parameters, np.nan),
         **{name: 0.0 for name in target.held if name in target.parameters},
@@ -111,7 +131,22 @@ def undetermined(names: list) -> str:
 
 
 def directions(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The pseudo-inverse of a normal matrix, and its unknown directions."""
+    """
+    The pseudo-inverse of a normal matrix, and its unknown directions.
+
+    Parameters
+    ----------
+    normal : numpy.ndarray, shape (n, n)
+        Sums of products of n slopes.
+
+    Returns
+    -------
+    inverse : numpy.ndarray, shape (n, n)
+        Without a component in unknown directions.
+    unknown : numpy.ndarray, shape (n, m)
+        The m eigenvectors, of slopes scaled to the same square, whose eigenvalue is
+        nearly 0.
+    """
     size = np.sqrt(np.diag(normal))
     size = np.where(size == 0, 1.0, size)
     values, vectors = np.linalg.eigh(normal / np.outer(size, size))
@@ -122,5 +157,19 @@ def directions(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def tied_names(names: list, unknown: np.ndarray) -> list:
-    """Names of coefficients that the record determines only in combination."""
+    """
+    Names of coefficients that the record determines only in combination.
+
+    Parameters
+    ----------
+    names : list of str
+        The n coefficients.
+    unknown : numpy.ndarray, shape (n, m)
+        From :func:`directions`.
+
+    Returns
+    -------
+    list of str
+        Names with a component above 0.1 in a direction.
+    """
     return [n for n, row in zip(names, np.abs(unknown)) if (row > TIED).any()]

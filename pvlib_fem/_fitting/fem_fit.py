@@ -552,7 +552,26 @@ def of_rows(
     test: np.ndarray,
     out: np.ndarray,
 ) -> dict:
-    """The attributes of a result from rows in memory and their temperature."""
+    """
+    The attributes of a result that come from rows in memory.
+
+    Parameters
+    ----------
+    record : Record
+        With ``temp_module``.
+    temperature : numpy.ndarray, shape (rows,)
+        Modelled temperature of the module. [°C]
+    train, test : numpy.ndarray of bool, shape (rows,)
+        Rows that count and are fitted, or held out.
+    out : numpy.ndarray of bool, shape (rows,)
+        All rows that are held out.
+
+    Returns
+    -------
+    dict
+        ``residual``, ``train_days``, ``test_days``, ``holdout`` and ``record`` of
+        :class:`FemFit`.
+    """
     residual = record["temp_module"] - temperature
     return dict(
         residual=pd.Series(residual, record.index, name="residual"),

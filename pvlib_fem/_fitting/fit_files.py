@@ -24,8 +24,19 @@ def fit_content(fit: "FemFit", cell: dict[str, float]) -> dict[str, Any]:
     Parameters
     ----------
     fit : FemFit
+        The fit, with its summary.
     cell : dict
-        ``deltaT`` or ``k_bs_c``; if it is empty, that of the fit.
+        ``deltaT`` [K] or ``k_bs_c`` [K m²/W]; if it is empty, that of the fit.
+
+    Returns
+    -------
+    dict
+        What :func:`fit_parts` reads, without the rows and their daily sums.
+
+    Raises
+    ------
+    TypeError
+        If ``cell`` has another name.
     """
     if unknown := [name for name in cell if name not in CELL]:
         raise TypeError(f"to_json keeps {' and '.join(CELL)}, no {unknown[0]}")
@@ -55,8 +66,21 @@ def fit_parts(
     Parameters
     ----------
     content : Stored
+        The part that holds the fit.
     own : Effect or sequence of these
         The user's own effects, of which the file has only name and settings.
+
+    Returns
+    -------
+    attributes : dict
+        Arguments of :class:`FemFit`, without ``residual``, ``holdout`` and ``record``.
+    computed : dict
+        ``summary`` and ``correlation``, which a fit with rows computes on access.
+
+    Raises
+    ------
+    ValueError
+        If an entry is missing or invalid; the message names the key.
     """
     model, coefficients = model_of(content, own)
     scores = content.read("scores", dict[str, dict[str, AnyFloat]])

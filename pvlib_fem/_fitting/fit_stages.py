@@ -22,7 +22,20 @@ def needed(step: str, rows: int, parameters: int) -> None:
 
 
 def planned(target: ThermalModel) -> list:
-    """The steps of a fit: name, model, purpose of the rows, and whether with a bias."""
+    """
+    The steps of a fit, from the steady model to the last effect.
+
+    Parameters
+    ----------
+    target : ThermalModel
+        The model with all effects.
+
+    Returns
+    -------
+    list of tuple
+        Name, model, purpose of the rows (``"complete"`` or ``"train"``), and whether
+        the bias is fitted.
+    """
     plain = replace(target, effects=())
     steady = replace(plain, dynamics="steady")
     steps = [
@@ -51,6 +64,21 @@ def stages_of(source: Any, target: ThermalModel) -> tuple[ThermalModel, dict, Mi
     source : Frame or InFiles
         The rows; the source finds the minima of some steps on them.
     target : ThermalModel
+        The model with all effects.
+
+    Returns
+    -------
+    target : ThermalModel
+        With a ``base`` if it has effects.
+    stages : dict of tuple
+        Model and coefficients of each step, by its name.
+    minimum : Minimum
+        Of the last step, in the order of ``target.free``.
+
+    Raises
+    ------
+    ValueError
+        If there are no more rows than coefficients.
     """
     needed("least squares", source.count, len(target.free))
     plain = [step for step in planned(target) if not step[1].effects]
@@ -67,7 +95,21 @@ def stages_of(source: Any, target: ThermalModel) -> tuple[ThermalModel, dict, Mi
 
 
 def flatness(steps: list, final: bool) -> dict:
-    """Relative decrease of the cost at which each step ends; smallest for the last."""
+    """
+    Relative decrease of the cost at which the search of each step ends.
+
+    Parameters
+    ----------
+    steps : list of tuple
+        Steps of :func:`planned`.
+    final : bool
+        Whether the last of them is the last of the fit, which is searched to the end.
+
+    Returns
+    -------
+    dict
+        By the name of the step. [-]
+    """
     last_step = steps[-1][0] if final else None
     return {name: FLAT if name == last_step else ROUGH for name, *_ in steps}
 
@@ -95,10 +137,20 @@ def minima(source: Any, steps: list, starts: dict, flat: dict) -> dict:
     Parameters
     ----------
     source : Source
-    steps : sequence
+        The rows.
+    steps : list of tuple
         Steps of :func:`planned`.
-    starts, flat : dict
-        Start and flatness of each step's search, by the name of the step.
+    starts : dict of dict
+        Coefficients at which each step's search starts, by the name of the step.
+    flat : dict
+        Relative decrease of the cost that ends each search, by the name of the step.
+        [-]
+
+    Returns
+    -------
+    dict of tuple
+        :class:`Minimum` and coefficients of each step as the search varies them, see
+        :func:`natural`, by the name of the step.
     """
     models = {name: (model, rows) for name, model, rows, _ in steps}
     searches = {
@@ -119,18 +171,66 @@ def minima(source: Any, steps: list, starts: dict, flat: dict) -> dict:
 def minimise(
     model: ThermalModel, source: Rows, start: dict, biased: bool, flat: float
 ) -> tuple[Minimum, dict]:
-    """Least squares of one stage on the rows of a source."""
+    """
+    Least squares of one stage on the rows of a source.
+
+    Parameters
+    ----------
+    model : ThermalModel
+        Of the stage.
+    source : Rows
+        The rows that count.
+    start : dict
+        Coefficients at which the search starts, as it varies them.
+    biased : bool
+        Whether the bias is fitted.
+    flat : float
+        Relative decrease of the cost that ends the search. [-]
+
+    Returns
+    -------
+    Minimum, dict
+        The minimum, and the coefficients as the search varies them, see
+        :func:`natural`.
+    """
     steps = [("", model, "train", biased)]
     return minima(source, steps, {"": start}, {"": flat})[""]
 
 
 def last(stages: dict) -> tuple[ThermalModel, dict]:
-    """Model and coefficients of the last step."""
+    """
+    Model and coefficients of the last step.
+
+    Parameters
+    ----------
+    stages : dict of tuple
+        From :func:`stages_of`.
+
+    Returns
+    -------
+    ThermalModel, dict
+        Of this step.
+    """
     return list(stages.values())[-1]
 
 
 def public(model: ThermalModel, coefficients: dict) -> dict:
-    """Coefficients that unpack into the temperature function of the dynamics."""
+    """
+    Coefficients that unpack into the temperature function of the dynamics.
+
+    Parameters
+    ----------
+    model : ThermalModel
+        The fitted model.
+    coefficients : dict
+        Of all its parameters.
+
+    Returns
+    -------
+    dict
+        With held constants of the steady model, but without its defaults. A steady
+        model has a ``tau`` near 0 [s].
+    """
     constants = [name for name in model.constants if name in model.held]
     names = [*model.parameters, *constants]
     values = {name: float(coefficients[name]) for name in names}

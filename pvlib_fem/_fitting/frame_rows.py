@@ -110,7 +110,38 @@ def as_frame(
     limits: Any,
     check_units: bool,
 ) -> tuple[Frame, list]:
-    """A user's columns as the source of a fit, and notes on them."""
+    """
+    A user's columns as the source of a fit, and notes on them.
+
+    Parameters
+    ----------
+    columns : list of pandas.Series, shape (rows,)
+        ``poa_global`` [W/m²], ``temp_air`` [°C], ``wind_speed`` [m/s] and
+        ``temp_module`` [°C], with a DatetimeIndex. ``wind_speed`` may be None for a
+        model without wind.
+    drivers : dict of pandas.Series, shape (rows,)
+        Columns that the effects need, by name.
+    target : ThermalModel
+        The model to fit.
+    holdout : pandas.Series of bool, shape (rows,), or None
+        Rows to hold out; None for the default.
+    night : bool
+        Whether night rows count, too.
+    limits : Limits or None
+        Thresholds of the screening; None for the defaults.
+    check_units : bool
+        Refuse columns that look to be in another unit.
+
+    Returns
+    -------
+    Frame, list of str
+        The screened record, and notes on faults and oddities.
+
+    Raises
+    ------
+    ValueError
+        If the record is unusable, or ``holdout`` has other rows.
+    """
     record, faults = screened(as_record(*columns, **drivers), limits, check_units)
     counts = counted(record.inputs.columns, night)
     counts &= record.known(target.drivers)

@@ -252,14 +252,49 @@ def with_plane(
 
 
 def refuse_clock(faults: Any) -> None:
-    """Refuse times that do not agree with the solar position."""
+    """
+    Refuse times that do not agree with the solar position.
+
+    Parameters
+    ----------
+    faults : dict of str
+        ``SolarNoon.faults`` of horizontal irradiance; empty without a fault.
+
+    Raises
+    ------
+    ValueError
+        If there is a fault.
+    """
     if faults:
         why = "; ".join(faults[name] for name in sorted(faults))
         raise ValueError(f"ghi cannot be transposed: {why}")
 
 
 def again(columns: dict, index: pd.Index, place: dict, transposition: str) -> dict:
-    """Columns with ``poa_global`` for further data, transposed as in the fit."""
+    """
+    Columns with ``poa_global`` for further data, transposed as in the fit.
+
+    Parameters
+    ----------
+    columns : dict of pandas.Series, shape (rows,)
+        Further data by name.
+    index : pandas.DatetimeIndex, shape (rows,)
+        Its times.
+    place : dict
+        From :func:`pvlib_fem.drivers.checked_place`.
+    transposition : str
+        ``"perez"``, ``"haydavies"``, or ``""`` if the fit had none.
+
+    Returns
+    -------
+    dict of pandas.Series, shape (rows,)
+        ``columns`` itself if nothing was transposed or it has ``poa_global`` [W/m²].
+
+    Raises
+    ------
+    ValueError
+        If ``poa_global`` and ``ghi`` are missing.
+    """
     if not transposition or LIGHT in columns:
         return columns
     if "ghi" not in columns:

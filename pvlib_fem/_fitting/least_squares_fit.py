@@ -50,7 +50,19 @@ def fit_source(source: Any, target: ThermalModel, notes: list) -> Any:
 
 
 def requests_of(stages: dict) -> tuple[dict, str]:
-    """Requests to a source for the models of some steps, and the last step's name."""
+    """
+    Requests to a source for the models of some steps, and the last step's name.
+
+    Parameters
+    ----------
+    stages : dict of tuple
+        Model and coefficients by the name of the step.
+
+    Returns
+    -------
+    dict of EvalRequest, str
+        Slopes are requested of the last step alone.
+    """
     final = list(stages)[-1]
     models = {
         name: EvalRequest(model, found, wanted=name == final)
@@ -67,7 +79,29 @@ def finished(
     minimum: tuple,
     **how: Any,
 ) -> FemFit:
-    """The result of a fit in memory, from its last temperature and minimum."""
+    """
+    The result of a fit in memory, from its last temperature and minimum.
+
+    Parameters
+    ----------
+    target : ThermalModel
+        The fitted model.
+    record : Record
+        With ``temp_module``.
+    temperature : numpy.ndarray, shape (rows,)
+        Modelled temperature of the module. [°C]
+    parts : tuple of numpy.ndarray of bool, shape (rows,)
+        ``train``, ``test`` and ``out`` of :func:`of_rows`.
+    minimum : tuple
+        ``found``, ``stderr``, ``at_bound`` and ``converged`` of :func:`of_minimum`.
+    **how
+        Further attributes of :class:`FemFit`.
+
+    Returns
+    -------
+    FemFit
+        The result.
+    """
     own = of_rows(record, temperature, *parts)
     return FemFit(**of_minimum(target, *minimum), **own, **how)
 
@@ -75,7 +109,27 @@ def finished(
 def of_minimum(
     target: ThermalModel, found: dict, stderr: dict, at_bound: tuple, converged: bool
 ) -> dict:
-    """The attributes of a result that come from the last minimum."""
+    """
+    The attributes of a result that come from the last minimum.
+
+    Parameters
+    ----------
+    target : ThermalModel
+        The fitted model.
+    found : dict
+        Coefficients of all its parameters.
+    stderr : dict
+        Their standard errors; 0 for those that it has not.
+    at_bound : tuple of str
+        Coefficients at a bound of their range.
+    converged : bool
+        Whether the search ended at a minimum.
+
+    Returns
+    -------
+    dict
+        Arguments of :class:`FemFit`.
+    """
     coefficients = public(target, found)
     return dict(
         model=target.steady_model.name,

@@ -116,7 +116,26 @@ def own_fields() -> list:
 
 
 def in_files(data: Any, model: ThermalModel) -> ParquetRecord:
-    """A data set as the source of a fit, without wind if the model needs none."""
+    """
+    A data set as the source of a fit, without wind if the model needs none.
+
+    Parameters
+    ----------
+    data : ParquetRecord, pyarrow.dataset.Dataset, str or path-like
+        Files, or where they are, as of :func:`pvlib_fem.open_parquet`.
+    model : ThermalModel
+        The model to fit.
+
+    Returns
+    -------
+    ParquetRecord
+        Its ``wind_speed`` is 0 if the files have none.
+
+    Raises
+    ------
+    ValueError
+        If the files have no ``wind_speed`` and the model needs it.
+    """
     source = as_source(data)
     if "wind_speed" in {*source.columns, *source.partial}:
         return source
@@ -132,14 +151,57 @@ def fit_files(
     limits: Any,
     check_units: bool,
 ) -> FileFit:
-    """Fit a record in files by least squares."""
+    """
+    Fit a record in files by least squares.
+
+    Parameters
+    ----------
+    source : ParquetRecord
+        The files.
+    target : ThermalModel
+        The model to fit.
+    holdout : pandas.Series of bool, shape (days,), or None
+        Days to hold out; None for the default.
+    night : bool
+        Whether night rows count, too.
+    limits : Limits or None
+        Thresholds of the screening; None for the defaults.
+    check_units : bool
+        Refuse columns that look to be in another unit.
+
+    Returns
+    -------
+    FileFit
+        A result without rows in memory.
+
+    Raises
+    ------
+    ValueError
+        If the record is unusable, or ``holdout`` has other than whole days.
+    """
     screened = screened_for(source, target, limits, check_units)
     files, notes = first_pass(screened, target, night), list(screened.notes)
     return fitted(files.without(dates_out(files, holdout, notes)), target, notes)
 
 
 def fitted(files: Files, target: ThermalModel, notes: list) -> FileFit:
-    """Fit a record in files on the days that are not held out."""
+    """
+    Fit a record in files on the days that are not held out.
+
+    Parameters
+    ----------
+    files : Files
+        From :func:`first_pass`, with the held-out days.
+    target : ThermalModel
+        The model to fit.
+    notes : list of str
+        Notes on the rows; the notes on the fit are appended.
+
+    Returns
+    -------
+    FileFit
+        A result without rows in memory.
+    """
     return fit_source(InFiles(files), target, notes)
 
 
@@ -155,7 +217,24 @@ def dates_out(files: Files, holdout: pd.Series | None, notes: list) -> np.ndarra
 
 
 def given_days(holdout: pd.Series) -> np.ndarray:
-    """Dates of the held-out days that a user chose."""
+    """
+    Dates of the held-out days that a user chose.
+
+    Parameters
+    ----------
+    holdout : pandas.Series of bool, shape (days,)
+        True for held-out days, with a DatetimeIndex of midnights.
+
+    Returns
+    -------
+    numpy.ndarray of int, shape (n,)
+        Days since 1970-01-01 in the zone of the index.
+
+    Raises
+    ------
+    ValueError
+        If it is no such Series, or a time is not a midnight.
+    """
     wrong = not isinstance(holdout, pd.Series) or holdout.dtype != bool
     if wrong or not isinstance(holdout.index, pd.DatetimeIndex):
         raise ValueError(

@@ -208,6 +208,22 @@ def screened_for(
     """
     The screened record of a fit in files.
 
+    Parameters
+    ----------
+    source : ParquetRecord
+        The files.
+    target : ThermalModel
+        The model to fit.
+    limits : Limits, optional
+        Thresholds of the screening.
+    check_units : bool, default True
+        Refuse columns that look to be in another unit.
+
+    Returns
+    -------
+    Screened
+        With the usual four columns and the drivers of the model.
+
     Raises
     ------
     ValueError
@@ -220,7 +236,24 @@ def screened_for(
 
 
 def first_pass(screened: Any, target: ThermalModel, night: bool) -> Files:
-    """A screened record in files with statistics from one more pass."""
+    """
+    A screened record in files with statistics from one more pass.
+
+    Parameters
+    ----------
+    screened : Screened
+        From :func:`screened_for`.
+    target : ThermalModel
+        The model to fit.
+    night : bool
+        Whether night rows count, too.
+
+    Returns
+    -------
+    Files
+        Without held-out days. Its ``means`` are over a minute, or two usual steps if
+        these are longer.
+    """
     drivers = tuple(target.drivers)
     usual = screened.look.step if len(screened.record) > 1 else MEANS
     step = max(MEANS, 2.0 * usual)

@@ -78,7 +78,23 @@ class Gaps:
 
 
 def rows_that_count(block: Block, night: bool, drivers: tuple) -> np.ndarray:
-    """Mask of the rows whose residual counts."""
+    """
+    Mask of the rows whose residual counts.
+
+    Parameters
+    ----------
+    block : Block
+        With the usual four columns and the drivers.
+    night : bool
+        Whether night rows count, too.
+    drivers : tuple of str
+        Columns that must have a value, in addition to the usual four.
+
+    Returns
+    -------
+    numpy.ndarray of bool, shape (rows,)
+        Of the rows of the block.
+    """
     rows = np.array(counted(block.inputs.columns, night))
     for name in drivers:
         rows &= np.isfinite(block[name])
@@ -92,7 +108,23 @@ def by_day(
     light: np.ndarray,
     wind: np.ndarray,
 ) -> None:
-    """Add rows that count, and sums of their irradiance and wind, to daily totals."""
+    """
+    Add rows that count, and sums of their irradiance and wind, to daily totals.
+
+    Parameters
+    ----------
+    table : dict of numpy.ndarray, shape (4,)
+        By date: number of rows, and sums of ``light``, ``light * wind`` and
+        ``light * wind**2``; changed in place. Days without rows that count have 0.
+    dates : numpy.ndarray of int, shape (rows,)
+        Days since 1970-01-01, in order.
+    rows : numpy.ndarray of bool, shape (rows,)
+        Rows that count.
+    light : numpy.ndarray, shape (rows,)
+        Irradiance squared. [W²/m⁴]
+    wind : numpy.ndarray, shape (rows,)
+        Wind speed. [m/s]
+    """
     place, size = dates - dates[0], int(dates[-1] - dates[0]) + 1
     there = np.bincount(place, minlength=size)
     place, light, wind = place[rows], light[rows], wind[rows]
@@ -104,7 +136,20 @@ def by_day(
 
 
 def even(block: Block) -> Inputs:
-    """A block's inputs; equal steps become one number."""
+    """
+    Inputs of a block; equal steps become one number.
+
+    Parameters
+    ----------
+    block : Block
+        Its steps are integers, shape (rows,).
+
+    Returns
+    -------
+    Inputs
+        ``steps`` is a float, or an array of shape (rows,), in the same unit. The first
+        row of the record has the step of the second.
+    """
     steps = block.inputs.steps.astype(float)
     if block.start == 0 and len(steps) > 1:
         steps[0] = steps[1]  # the first row has no row before it

@@ -23,7 +23,29 @@ DAY = pd.Timedelta(days=1)
 
 
 def through_time(fit: Any, freq: str, coefficients: Any) -> pd.DataFrame:
-    """The table of :meth:`FemFit.through_time`."""
+    """
+    The table of :meth:`FemFit.through_time`.
+
+    Parameters
+    ----------
+    fit : FemFit
+        With daily sums.
+    freq : str
+        Periods, as an offset of pandas of whole days.
+    coefficients : str, sequence of str or None
+        Coefficients that vary; None for those of the model without effects.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Rows by ``coefficient`` and ``start``; columns ``value``, ``stderr``, ``lower``,
+        ``upper``, ``unit``, ``days`` and ``why``.
+
+    Raises
+    ------
+    ValueError
+        If the fit has no daily sums, ``freq`` is no period, or a name was not fitted.
+    """
     minimum = minimum_of(fit, coefficients)
     zone = fit.record.index.tz
     parts = [

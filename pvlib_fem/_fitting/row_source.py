@@ -233,7 +233,26 @@ class Source:
 def temperature_of(
     model: Any, given: Any, quick: bool | None, counts: Any = None
 ) -> np.ndarray:
-    """Temperature of a part, continued from the part before. [°C]"""
+    """
+    Temperature of a part of the rows, continued from the part before.
+
+    Parameters
+    ----------
+    model : ThermalModel
+        With known terms, as :meth:`ThermalModel.knowing` gives them.
+    given : tuple
+        Inputs of the part, coefficients, and the past, which is updated.
+    quick : bool
+        Whether the compiled loops solve it.
+    counts : numpy.ndarray of bool, shape (rows,), optional
+        Rows whose temperature is used, by default all; the compiled loops give 0 in the
+        others.
+
+    Returns
+    -------
+    numpy.ndarray, shape (rows,)
+        Temperature of the module. [°C]
+    """
     if not quick:
         return model.answer(*given, wanted=False)[0]
     found = np.zeros(len(given[0].index))
@@ -351,7 +370,23 @@ def daily_sums(
     """
     Daily sums at a minimum, from one pass over a source.
 
-    ``into`` is an optional array that takes the temperature of all rows.
+    Parameters
+    ----------
+    model : ThermalModel
+        The fitted model.
+    coefficients : dict
+        Of all its parameters, at the minimum.
+    source : Rows
+        The rows that count.
+    at_bound : tuple of str
+        Coefficients that are held fixed.
+    into : numpy.ndarray, shape (rows,), optional
+        Takes the temperature of all rows. [°C]
+
+    Returns
+    -------
+    DailySums
+        Of the free coefficients that are not at a bound.
     """
     names = tuple(name for name in model.free if name not in at_bound)
     found, end = [], 0

@@ -17,12 +17,51 @@ TURNS = 3  # searches at most, if the bounds depend on the minimum
 
 
 def holding(model: ThermalModel, fixed: Mapping) -> ThermalModel:
-    """The model with held coefficients; ValueError if one is unknown or impossible."""
+    """
+    The model with held coefficients.
+
+    Parameters
+    ----------
+    model : ThermalModel
+        The model to fit.
+    fixed : dict
+        Coefficients and constants to hold, by name.
+
+    Returns
+    -------
+    ThermalModel
+        With these as ``held``.
+
+    Raises
+    ------
+    ValueError
+        See :func:`possible`.
+    """
     return replace(model, held=possible(model, fixed))
 
 
 def possible(model: ThermalModel, fixed: Mapping) -> dict:
-    """The coefficients to hold, checked by name and range."""
+    """
+    The coefficients to hold, checked by name and range.
+
+    Parameters
+    ----------
+    model : ThermalModel
+        The model to fit.
+    fixed : dict
+        Coefficients and constants of the steady model, by name.
+
+    Returns
+    -------
+    dict
+        Name to float.
+
+    Raises
+    ------
+    ValueError
+        If a name is unknown, a value out of its range, a constant without a default is
+        missing, or no coefficient remains to be fitted.
+    """
     constants = model.steady_model.constants
     rows = {**model.parameters, **constants}
     if unknown := [name for name in fixed if name not in rows]:
@@ -57,13 +96,33 @@ def searching(
     model: ThermalModel, source: Any, start: dict, biased: bool, flat: float
 ) -> Any:
     """
-    Least squares of one stage, in search coordinates.
+    Least squares of one stage, in search coordinates, as a generator.
 
-    A generator: it yields coefficients and the names of those that vary.
+    It returns a :class:`Minimum`, and the coefficients at it as the search varies them,
+    with shares of others.
 
-    The caller sends :class:`Normal` of their slopes.
-    The generator returns the minimum and the coefficients, with shares as the search
-    varies them. It uses only ``step`` and ``wind`` of ``source``.
+    Parameters
+    ----------
+    model : ThermalModel
+        Of the stage.
+    source : Source
+        Only its ``step`` [s] and ``wind`` [m/s] are used.
+    start : dict
+        Coefficients at which the search starts, as it varies them.
+    biased : bool
+        Whether the bias is fitted.
+    flat : float
+        Relative decrease of the cost that ends the search. [-]
+
+    Yields
+    ------
+    dict, list of str
+        Coefficients to evaluate, and the names of those that vary.
+
+    Receives
+    --------
+    Normal
+        Sums of the slopes by these names, and the residual.
     """
     names = [name for name in model.free if biased or name != "bias"]
     places = [list(model.parameters).index(name) for name in names]
@@ -125,17 +184,61 @@ def least(model: ThermalModel, name: str) -> float:
 
 
 def tables(effects: tuple, record: Record) -> tuple:
-    """The effects, with linear ones replaced by their slopes on a record."""
+    """
+    The effects, with linear ones replaced by their slopes on a record.
+
+    Parameters
+    ----------
+    effects : tuple of Effect
+        Of a model.
+    record : Record
+        With their drivers.
+
+    Returns
+    -------
+    tuple of Effect
+        In the same order.
+    """
     return tuple(tabled(effect, record.inputs.columns) for effect in effects)
 
 
 def with_tables(model: ThermalModel, record: Record) -> ThermalModel:
-    """The model, with linear effects replaced by their slopes on a record."""
+    """
+    The model, with linear effects replaced by their slopes on a record.
+
+    Parameters
+    ----------
+    model : ThermalModel
+        The model to fit.
+    record : Record
+        With the drivers of its effects.
+
+    Returns
+    -------
+    ThermalModel
+        For the rows of this record alone.
+    """
     return replace(model, effects=tables(model.effects, record))
 
 
 def natural(model: ThermalModel, searched: dict) -> tuple[dict[str, float], np.ndarray]:
-    """Coefficients from those with shares, and the Jacobian of that map."""
+    """
+    Coefficients from those with shares, and the Jacobian of that map.
+
+    Parameters
+    ----------
+    model : ThermalModel
+        With n parameters.
+    searched : dict
+        Values of the parameters; one that is a ``share_of`` another is divided by it.
+
+    Returns
+    -------
+    values : dict
+        Coefficients and constants, held ones at their held values.
+    chain : numpy.ndarray, shape (n, n)
+        Slope of each coefficient, by row, by each searched one, by column.
+    """
     names = list(model.parameters)
     values = {**{name: searched[name] for name in names}, **held(model)}
     chain = np.eye(len(names))
@@ -149,7 +252,21 @@ def natural(model: ThermalModel, searched: dict) -> tuple[dict[str, float], np.n
 
 
 def as_searched(model: ThermalModel, coefficients: dict) -> dict:
-    """Coefficients with shares of others as the search varies them."""
+    """
+    Coefficients with shares of others as the search varies them.
+
+    Parameters
+    ----------
+    model : ThermalModel
+        The model.
+    coefficients : dict
+        Of all its parameters.
+
+    Returns
+    -------
+    dict
+        The inverse of :func:`natural`.
+    """
     return {
         name: coefficients[name] / (coefficients[row.share_of] if row.share_of else 1.0)
         for name, row in model.parameters.items()

@@ -141,7 +141,24 @@ def fill_record(
 
 
 def chosen(names: Any) -> dict:
-    """The column that stands in for each usual one."""
+    """
+    The column that stands in for each usual one.
+
+    Parameters
+    ----------
+    names : str or iterable of str
+        Columns such as ``temp_air_2`` or ``wind_speed_airport``.
+
+    Returns
+    -------
+    dict
+        ``temp_air``, ``wind_speed`` or both, to the name of the other column.
+
+    Raises
+    ------
+    ValueError
+        If a name begins with neither, or two stand in for the same column.
+    """
     found: dict[str, str] = {}
     for name in several(names):
         usual = twin_of(name)

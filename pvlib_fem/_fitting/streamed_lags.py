@@ -54,7 +54,22 @@ class Held:
 
 
 def with_a_past(inputs: Inputs, drivers: list) -> Iterator:
-    """Lagged drivers: short ones from the rows, long ones from ``inputs``."""
+    """
+    Lagged drivers, as columns that the files do not hold.
+
+    Parameters
+    ----------
+    inputs : Inputs
+        Rows of the record, or means over longer steps, for drivers with a long memory.
+    drivers : list of str
+        Drivers of the effects, lagged or not.
+
+    Yields
+    ------
+    StreamedColumns or JoinedColumns
+        Drivers with a short memory, computed from the rows block by block; and those
+        with a long memory, from ``inputs``.
+    """
     names = remembered(drivers)
     memories = {name: short_memory(name) or 0.0 for name in names}
     if short := [name for name, memory in memories.items() if memory]:
@@ -71,7 +86,21 @@ def of_means(drivers: list) -> list:
 
 
 def means_note(target: ThermalModel, files: Any) -> list:
-    """A note on lagged drivers that are computed from means instead of rows."""
+    """
+    A note on lagged drivers that are computed from means instead of rows.
+
+    Parameters
+    ----------
+    target : ThermalModel
+        The fitted model.
+    files : Files
+        Its source.
+
+    Returns
+    -------
+    list of str
+        One note, or none.
+    """
     if files.step >= MEANS or not of_means(target.effect_drivers):
         return []
     effects = ", ".join(e.name for e in target.effects if of_means(e.drivers))

@@ -48,6 +48,23 @@ def moved(minimum: Minimum, shift: np.ndarray) -> Any:
 
     The temperature is linear in the resistance at each wind, not in the coefficients.
     The time constant is still an age, see :func:`in_age`.
+
+    Parameters
+    ----------
+    minimum : Minimum
+        With n coefficients that vary.
+    shift : numpy.ndarray, shape (n,)
+        Change of each coefficient along the tangents, in its unit.
+
+    Returns
+    -------
+    value : numpy.ndarray, shape (m,)
+        In the order of ``minimum.units``: ``r_eq`` first if a coefficient of the steady
+        model varies. NaN if no coefficients have the resistance.
+    slopes : numpy.ndarray, shape (m, n)
+        Of each number by each shift.
+    gain : float
+        Ratio of the resistance at the mean wind to that of the minimum. [-]
     """
     own = np.array([minimum.coefficients[name] for name in minimum.names])
     value, slopes, gain = own + shift, np.eye(len(shift)), 1.0
@@ -132,7 +149,30 @@ def gain_of_age(name: str, gain: float) -> float:
 def in_time(
     minimum: Minimum, age: float, error: float, low: float, high: float, gain: float
 ) -> Any:
-    """The time constant of an age, with its error and an interval from 0 on."""
+    """
+    The time constant of an age, with its error and an interval from 0 on.
+
+    Parameters
+    ----------
+    minimum : Minimum
+        With one time constant or capacity that varies.
+    age : float
+        Mean age of the past in a sample, in the unit of ``minimum.lag``.
+    error : float
+        Standard error of the age.
+    low, high : float
+        Ends of its interval; below 0 they count as 0.
+    gain : float
+        Ratio of the resistance to that of the minimum, by which the capacity of an age
+        is divided. [-]
+
+    Returns
+    -------
+    tuple of float
+        Value, error, and lower and upper end, in the unit of ``tau`` [s] or
+        ``capacity`` [J/(m² K)]. The error is NaN if the interval includes 0; all are
+        NaN if the age is unknown.
+    """
     (name,), seen = minimum.memory, minimum.lag
     own = gain_of_age(name, gain)
     if np.isnan(age) or not gain > 0:

@@ -59,7 +59,31 @@ class Lag:
 
 
 def lag(model: ThermalModel, coefficients: dict, step: float, wind: float) -> Lag:
-    """Search coordinate of a dynamic model's time constant. [s, m/s]"""
+    """
+    Search coordinate of a dynamic model's time constant.
+
+    Parameters
+    ----------
+    model : ThermalModel
+        With ``"ewm"`` or ``"balance"`` dynamics.
+    coefficients : dict
+        Of its steady model.
+    step : float
+        Usual time between rows. [s]
+    wind : float
+        Mean wind speed, at which a capacity is converted to a time constant. [m/s]
+
+    Returns
+    -------
+    Lag
+        Its lower bound is that of the parameter, or a twentieth of the step if this is
+        larger.
+
+    Raises
+    ------
+    ValueError
+        If the resistance is so small that no capacity in range can be determined.
+    """
     ((name, row),) = MEMORY[model.dynamics].items()
     if name == "capacity":  # its time constant is capacity times resistance
         law = model.steady_model
@@ -84,7 +108,29 @@ def memory_notes(
     at_bound: tuple,
     days: int,
 ) -> Iterator:
-    """Notes if the record's step does not determine the fitted time constant."""
+    """
+    Notes if the record's step does not determine the fitted time constant.
+
+    Parameters
+    ----------
+    source : Source
+        Of the ``step`` [s] and ``wind`` [m/s] of the record.
+    model : ThermalModel
+        The fitted model.
+    coefficients : dict
+        Of all its parameters.
+    stderr : dict
+        Their standard errors.
+    at_bound : tuple of str
+        Coefficients at a bound of their range.
+    days : int
+        Number of fitted days, for the interval.
+
+    Yields
+    ------
+    str
+        At most one note.
+    """
     known = [n for n in MEMORY[model.dynamics] if n not in model.held]
     if not known:
         return
