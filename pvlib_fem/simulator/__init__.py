@@ -131,7 +131,34 @@ def records(
     forms: Forms | None = None,
     generator: str = "nodes",
 ) -> Iterator[pd.DataFrame]:
-    """Yield records of several scenarios in one weather."""
+    """
+    Yield records of several scenarios in one weather.
+
+    Parameters
+    ----------
+    site : Site
+        The site.
+    scenarios : iterable of dict
+        Switches and amplitudes of each record, see `record`.
+    days, step, start, seed
+        See `weather`.
+    noise : float, default 1
+        See `measure`.
+    forms : Forms, optional
+        Instead of the site's.
+    generator : str, default "nodes"
+        One of `GENERATORS`.
+
+    Yields
+    ------
+    DataFrame
+        See `record`.
+
+    Raises
+    ------
+    ValueError
+        If the generator is unknown, or an argument of `weather` is out of range.
+    """
     if generator not in GENERATORS:
         raise ValueError(
             f"generator = {generator!r}; it is {' or '.join(map(repr, GENERATORS))}"
@@ -149,6 +176,11 @@ def records(
 def difference(on: pd.DataFrame, off: pd.DataFrame) -> pd.DataFrame:
     """
     Size of an effect by column, from two records that differ in it.
+
+    Parameters
+    ----------
+    on, off : DataFrame
+        Records with and without the effect, with the same times and columns.
 
     Returns
     -------

@@ -23,13 +23,43 @@ VAPOUR = {
 
 
 def vapour(celsius: np.ndarray, form: str = "magnus") -> np.ndarray:
-    """Saturation vapour pressure over water. [Pa]"""
+    """
+    Saturation vapour pressure over water.
+
+    Parameters
+    ----------
+    celsius : numpy.ndarray, shape (rows,)
+        Temperature; a dew point gives the vapour pressure of the air. [°C]
+    form : str, default "magnus"
+        Key of ``VAPOUR``.
+
+    Returns
+    -------
+    numpy.ndarray, shape (rows,)
+        [Pa]
+    """
     a, b, c = VAPOUR[form]
     return a * np.exp(b * celsius / (c + celsius))
 
 
 def diffuse_share(form: str, ghi: np.ndarray, elevation: np.ndarray) -> np.ndarray:
-    """Diffuse fraction of global irradiance by one of pvlib's models. [-]"""
+    """
+    Diffuse fraction of global irradiance by one of pvlib's models.
+
+    Parameters
+    ----------
+    form : str
+        Name of the model in `pvlib.irradiance`, see ``RIVALS["diffuse"]``.
+    ghi : numpy.ndarray, shape (rows,)
+        Global horizontal irradiance. [W/m²]
+    elevation : numpy.ndarray, shape (rows,)
+        Of the sun. [°]
+
+    Returns
+    -------
+    numpy.ndarray, shape (rows,)
+        1 without irradiance. [-]
+    """
     # pvlib has its own solar constant, and clearness is all that counts
     extra = irradiance.get_extra_radiation(MEAN_DISTANCE)
     light = ghi * extra / SOLAR_CONSTANT

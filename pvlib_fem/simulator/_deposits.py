@@ -27,7 +27,21 @@ TAKEN = 0.35  # share of sunlight that snow absorbs
 
 
 def dirt(weather: pd.DataFrame, site: "Site") -> np.ndarray:
-    """Share of light lost by soiling."""
+    """
+    Share of light lost by soiling.
+
+    Parameters
+    ----------
+    weather : pandas.DataFrame, shape (rows, columns)
+        Result of `weather`.
+    site : Site
+        Its form of ``cleaning`` is used.
+
+    Returns
+    -------
+    numpy.ndarray, shape (rows,)
+        0 if clean. [-]
+    """
     return DIRT[site.forms.cleaning](weather, site)
 
 
@@ -75,19 +89,61 @@ def store(change: np.ndarray) -> np.ndarray:
 
 
 def snow_depth(weather: pd.DataFrame) -> np.ndarray:
-    """Depth of snow on the ground, which melts by degree-days. [cm]"""
+    """
+    Depth of snow on the ground, which melts by degree-days.
+
+    Parameters
+    ----------
+    weather : pandas.DataFrame, shape (rows, columns)
+        Result of `weather`.
+
+    Returns
+    -------
+    numpy.ndarray, shape (rows,)
+        [cm]
+    """
     melt = DEGREE_DAY * np.maximum(weather["temp_air"].to_numpy(), 0.0) / 24.0
     return store((snowfall(weather) - melt) * seconds(times_of(weather)) / 3600.0)
 
 
 def bright(weather: pd.DataFrame, site: "Site", on: Mapping[str, float]) -> np.ndarray:
-    """Albedo of the ground: 0.65 where there is more than 1 cm of snow."""
+    """
+    Albedo of the ground: 0.65 where there is more than 1 cm of snow.
+
+    Parameters
+    ----------
+    weather : pandas.DataFrame, shape (rows, columns)
+        Result of `weather`.
+    site : Site
+        With the albedo without snow.
+    on : dict of float
+        Amplitudes by switch; that of ``snow`` scales the change.
+
+    Returns
+    -------
+    numpy.ndarray, shape (rows,)
+        [-]
+    """
     white = np.clip(on["snow"] * (snow_depth(weather) > 1.0), 0.0, 1.0)
     return site.albedo + white * (0.65 - site.albedo)
 
 
 def snow_cover(weather: pd.DataFrame, site: "Site") -> np.ndarray:
-    """Share of the module under snow."""
+    """
+    Share of the module under snow.
+
+    Parameters
+    ----------
+    weather : pandas.DataFrame, shape (rows, columns)
+        Result of `weather`.
+    site : Site
+        Its form of ``snow`` is used.
+
+    Returns
+    -------
+    numpy.ndarray, shape (rows,)
+        From 0 to 1; of ``"sliding"`` booleans. [-]
+    """
     return COVER[site.forms.snow](weather, site)
 
 

@@ -104,7 +104,23 @@ def light(
 def scattered(
     weather: pd.DataFrame, site: "Site", on: Mapping[str, float]
 ) -> np.ndarray:
-    """Wind at the module over its expectation from the mast, 1 on average."""
+    """
+    Wind at the module over its expectation from the mast, 1 on average.
+
+    Parameters
+    ----------
+    weather : pandas.DataFrame, shape (rows, columns)
+        Result of `weather`.
+    site : Site
+        The site.
+    on : dict of float
+        Amplitudes by switch.
+
+    Returns
+    -------
+    numpy.ndarray, shape (rows,)
+        Factor of the wind speed; obstacles to the wind lower it. [-]
+    """
     scatter = 0.3 * on["wind_scatter"]
     ratio = np.exp(scatter * weather["scatter"].to_numpy() - scatter**2 / 2)
     return ratio * np.maximum(1 - total(WIND, weather, site, on), 0.0)
@@ -113,7 +129,23 @@ def scattered(
 def heats(
     weather: pd.DataFrame, site: "Site", on: Mapping[str, float]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Heat of undeclared sources on the glass and on the back. [W/m²]"""
+    """
+    Heat of undeclared sources on the glass and on the back.
+
+    Parameters
+    ----------
+    weather : pandas.DataFrame, shape (rows, columns)
+        Result of `weather`.
+    site : Site
+        With the timetables.
+    on : dict of float
+        Amplitudes by switch.
+
+    Returns
+    -------
+    front, back : numpy.ndarray, shape (rows,)
+        Positive if the module is warmed. [W/m²]
+    """
     air = weather["temp_air"].to_numpy()
     front, back = undeclared(times_of(weather), air, on, site.forms)
     front = front + total(GLASS, weather, site, on)

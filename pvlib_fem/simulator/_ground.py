@@ -89,5 +89,21 @@ def hidden(weather: pd.DataFrame, obstacles: "Iterable[Obstacle]") -> np.ndarray
 
 
 def shade(weather: pd.DataFrame, site: "Site", amplitude: float) -> np.ndarray:
-    """Share of the beam that obstacles transmit."""
+    """
+    Share of the beam that obstacles transmit.
+
+    Parameters
+    ----------
+    weather : pandas.DataFrame, shape (rows, columns)
+        Result of `weather`.
+    site : Site
+        With the obstacles.
+    amplitude : float
+        Factor of the share that they block. [-]
+
+    Returns
+    -------
+    numpy.ndarray, shape (rows,)
+        1 without shade. [-]
+    """
     return 1 - np.minimum(amplitude * hidden(weather, site.forms.obstacles), 1)

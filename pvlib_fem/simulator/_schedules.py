@@ -12,7 +12,19 @@ PLAIN = Forms()
 
 
 def curtailed(weather: pd.DataFrame) -> np.ndarray:
-    """Hours without output: midday, most often on weekends in spring."""
+    """
+    Hours without output: midday, most often on weekends in spring.
+
+    Parameters
+    ----------
+    weather : pandas.DataFrame, shape (rows, columns)
+        Result of `weather`; the seed in its ``attrs`` determines the days.
+
+    Returns
+    -------
+    numpy.ndarray of bool, shape (rows,)
+        True without output.
+    """
     times, seed = times_of(weather), weather.attrs.get("seed", 0)
     weekend = times.day_of_week.to_numpy() >= 5
     spring = (times.month.to_numpy() >= 3) & (times.month.to_numpy() <= 6)

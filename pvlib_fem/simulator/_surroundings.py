@@ -233,6 +233,24 @@ def total(
     site: "Site",
     on: Mapping[str, float],
 ) -> float | np.ndarray:
-    """Sum of the laws that are on; 0 without any."""
+    """
+    Sum of the laws that are on.
+
+    Parameters
+    ----------
+    laws : dict of callable
+        Laws of one changed quantity by their switch, such as ``BACK``.
+    weather : pandas.DataFrame, shape (rows, columns)
+        Result of `weather`.
+    site : Site
+        The site.
+    on : dict of float
+        Amplitudes by switch.
+
+    Returns
+    -------
+    float or numpy.ndarray, shape (rows,)
+        In the unit of the laws; the number 0 if none is on.
+    """
     some = [on[name] * law(weather, site) for name, law in laws.items() if on[name]]
     return sum(some, start=0.0)

@@ -110,7 +110,24 @@ Effects = Mapping[str, float | Mapping[str, str]]
 
 
 def amplitudes(effects: Effects) -> dict[str, float]:
-    """All switches by name; those that ``effects`` does not name are 0."""
+    """
+    All switches by name.
+
+    Parameters
+    ----------
+    effects : dict
+        Amplitudes by switch; ``swap`` is ignored.
+
+    Returns
+    -------
+    dict of float
+        0 for switches that ``effects`` does not name.
+
+    Raises
+    ------
+    ValueError
+        If a switch is unknown, or an amplitude is not finite.
+    """
     if unknown := sorted(set(effects) - {*SWITCHES, "swap"}):
         raise ValueError(
             f"unknown switch {', '.join(map(repr, unknown))}; "

@@ -136,7 +136,23 @@ def weather(
 
 
 def sun_position(times: pd.DatetimeIndex, site: Site) -> tuple[np.ndarray, np.ndarray]:
-    """Elevation and azimuth of the sun, Spencer [3]_; no refraction. [°]"""
+    """
+    Elevation and azimuth of the sun, Spencer [3]_; no refraction.
+
+    Parameters
+    ----------
+    times : pandas.DatetimeIndex, shape (rows,)
+        In local standard time.
+    site : Site
+        With latitude and longitude.
+
+    Returns
+    -------
+    elevation : numpy.ndarray, shape (rows,)
+        Negative at night. [°]
+    azimuth : numpy.ndarray, shape (rows,)
+        From north, clockwise. [°]
+    """
     hour, day = clock(times)
     angle = 2 * np.pi * (day - 1) / 365.0
     waves = [f(n * angle) for n in (1, 2, 3) for f in (np.cos, np.sin)]

@@ -99,9 +99,27 @@ def orientation(
     weather: pd.DataFrame, site: "Site", stuck: float = 0.0
 ) -> tuple[float | np.ndarray, float | np.ndarray]:
     """
-    Tilt and azimuth of a plane at a site: numbers, or rows of a tracker. [°]
+    Tilt and azimuth of a plane at a site: numbers, or rows of a tracker.
 
-    ``stuck`` is how far it stays at the angle of the days on which it is stuck.
+    Parameters
+    ----------
+    weather : pandas.DataFrame, shape (rows, columns)
+        Result of `weather`, with the position of the sun.
+    site : Site
+        With a fixed plane or a tracker.
+    stuck : float, default 0
+        Weight of the angle of the days on which the tracker is stuck, on these days; 0
+        is a tracker that turns. [-]
+
+    Returns
+    -------
+    tilt, azimuth : float or numpy.ndarray, shape (rows,)
+        Azimuth from north, clockwise. [°]
+
+    Raises
+    ------
+    ValueError
+        If a fixed plane is to be stuck.
     """
     tracker = site.tracker
     if tracker is None:
