@@ -14,7 +14,26 @@ from pvlib_fem._spelling import written_argument
 
 
 def resumed(new: Recovery, path: Any) -> Recovery:
-    """The recovery of a file; ValueError for another record, call or version."""
+    """
+    The recovery of a file that an interrupted call wrote.
+
+    Parameters
+    ----------
+    new : Recovery
+        Of this call, before any outcome.
+    path : str or path-like
+        The file.
+
+    Returns
+    -------
+    Recovery
+        With the outcomes and trials of the file.
+
+    Raises
+    ------
+    ValueError
+        If the file is of another record, version or call.
+    """
     there = Recovery.from_json(path)
     for name, words in (("sha256", "record"), ("version", "version of pvlib_fem")):
         if getattr(there, name) != getattr(new, name):
@@ -36,7 +55,27 @@ def resumed(new: Recovery, path: Any) -> Recovery:
 def of_plan(
     recovery: Recovery, planned: list, notes: dict, loop: Loop, effects: tuple
 ) -> Recovery:
-    """The recovery with the outcomes of the present plan."""
+    """
+    The recovery with the outcomes of the present plan.
+
+    Parameters
+    ----------
+    recovery : Recovery
+        Perhaps with outcomes of a file.
+    planned : list of Injection
+        The plan; other outcomes are dropped.
+    notes : dict of str
+        Effects that are not injected, and why.
+    loop : Loop
+        Of the record itself, whose findings are the baseline.
+    effects : tuple of Effect
+        Effects that the loop tests, for the units of their coefficients.
+
+    Returns
+    -------
+    Recovery
+        A copy.
+    """
     keys = {injection.key for injection in planned}
     units = {e.name: {n: r.unit for n, r in e.rows().items()} for e in effects}
     return replace(
@@ -50,20 +89,68 @@ def of_plan(
 
 
 def of_trials(recovery: Any, planned: list, why: Any) -> Any:
-    """The recovery with the trials of the present plan, and why others cannot be."""
+    """
+    The recovery with the trials of the present plan, and why others cannot be.
+
+    Parameters
+    ----------
+    recovery : Recovery
+        Perhaps with trials of a file.
+    planned : list of tuple
+        Kind and number of each trial; other trials are dropped.
+    why : dict of str
+        Kinds of scrambling that the record does not allow, and why.
+
+    Returns
+    -------
+    Recovery
+        A copy.
+    """
     trials = tuple(trial for trial in recovery.trials if trial.key in planned)
     count = len(planned)
     return replace(recovery, trials=trials, planned_trials=count, not_scrambled=why)
 
 
 def with_trial(recovery: Recovery, trial: Any, planned: list) -> Any:
-    """The recovery with one more trial, in the order of the plan."""
+    """
+    The recovery with one more trial, in the order of the plan.
+
+    Parameters
+    ----------
+    recovery : Recovery
+        With trials of the plan alone.
+    trial : Trial
+        The new one.
+    planned : list of tuple
+        Kind and number of each trial.
+
+    Returns
+    -------
+    Recovery
+        A copy.
+    """
     trials = sorted([*recovery.trials, trial], key=lambda one: planned.index(one.key))
     return replace(recovery, trials=tuple(trials))
 
 
 def with_outcome(recovery: Recovery, outcome: Outcome, planned: list) -> Recovery:
-    """The recovery with one more outcome, in the order of the plan."""
+    """
+    The recovery with one more outcome, in the order of the plan.
+
+    Parameters
+    ----------
+    recovery : Recovery
+        With outcomes of the plan alone.
+    outcome : Outcome
+        The new one.
+    planned : list of Injection
+        The plan.
+
+    Returns
+    -------
+    Recovery
+        A copy.
+    """
     order = {injection.key: i for i, injection in enumerate(planned)}
     outcomes = [*recovery.outcomes, outcome]
     outcomes = sorted(outcomes, key=lambda one: order[one.injection.key])
@@ -73,7 +160,23 @@ def with_outcome(recovery: Recovery, outcome: Outcome, planned: list) -> Recover
 def said_all(
     effects: Any, sizes: Any, draws: int, seed: int, model: str, place: dict, how: dict
 ) -> dict:
-    """The arguments that determine the result, as text."""
+    """
+    The arguments that determine the result, as text.
+
+    Parameters
+    ----------
+    effects, sizes, draws, seed, model
+        Arguments of :func:`recover_effects`.
+    place : dict
+        From :func:`pvlib_fem.drivers.checked_place`.
+    how : dict
+        Arguments of the loop; ``effects`` among them are called ``tried``.
+
+    Returns
+    -------
+    dict of str
+        By the name of the argument; of ``holdout`` its hash.
+    """
     where = None if place["location"] is None else repr(place["location"])
     said = dict(effects=effects, sizes=sizes, draws=draws, seed=seed, model=model)
     # a fixed plane has no mount, here as in files of before
@@ -87,7 +190,19 @@ def said_all(
 
 
 def digest(data: pd.DataFrame) -> Any:
-    """Sha256 of a frame's times, names and values."""
+    """
+    Sha256 of a frame's times, names and values.
+
+    Parameters
+    ----------
+    data : pandas.DataFrame, shape (rows, columns)
+        A record.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits.
+    """
     found = hashlib.sha256(repr([str(name) for name in data]).encode())
     found.update(pd.util.hash_pandas_object(data).to_numpy("<u8").tobytes())
     return found.hexdigest()

@@ -114,7 +114,25 @@ def rounded(value: float) -> float:
 def chosen(
     case: Case, loop: Loop, effects: list | str | None
 ) -> tuple[list[Effect], dict[str, str]]:
-    """Effects that can be injected, and for other effects the reason why not."""
+    """
+    Effects that can be injected, and for other effects the reason why not.
+
+    Parameters
+    ----------
+    case : Case
+        The record, with the effects that its loop tests.
+    loop : Loop
+        Of the record itself.
+    effects : str, Effect, sequence of these, or None
+        Effects to inject; None for all of the catalogue.
+
+    Returns
+    -------
+    found : list of Effect
+        Without dates.
+    notes : dict of str
+        Effect to reason.
+    """
     wanted = {effect.name: effect for effect in case.wanted}
     there = {name for f in loop.finding_objects if f.added for name in f.candidates}
     usual = {effect.name for effect in loop.fit.effects}
@@ -185,7 +203,19 @@ def generator(effect: Effect, seed: int) -> np.random.Generator:
 
 
 def time_profile_of(effect: Effect) -> TimeProfile:
-    """The time profile of a sensor fault."""
+    """
+    The time profile of a sensor fault.
+
+    Parameters
+    ----------
+    effect : Effect
+        A sensor fault, whose name ends with the time profile.
+
+    Returns
+    -------
+    TimeProfile
+        The step, trend or temporary change.
+    """
     return next(
         one
         for one in TIME_PROFILES
@@ -225,6 +255,20 @@ def with_ways(draws: list, errors: list, seed: int) -> list:
 
     Coefficients are random in units of their standard errors. A coefficient that cannot
     be negative is positive.
+
+    Parameters
+    ----------
+    draws : list of Draw
+        Without directions.
+    errors : list of dict
+        Standard error of each coefficient, for each draw.
+    seed : int
+        Of the random numbers.
+
+    Returns
+    -------
+    list of Draw
+        ``way`` is a unit vector of the coefficients in their own units.
     """
     found, seen = [], set()
     for draw, error in zip(draws, errors):
@@ -248,7 +292,25 @@ def with_ways(draws: list, errors: list, seed: int) -> list:
 
 
 def holds(finding: Finding, effect: Effect, effects: dict, days: np.ndarray) -> bool:
-    """Whether a finding holds the true effect; a fault also on about its days."""
+    """
+    Whether a finding holds the true effect; a fault also on about its days.
+
+    Parameters
+    ----------
+    finding : Finding
+        With its candidates.
+    effect : Effect
+        The true effect, with its dates.
+    effects : dict of Effect
+        Effects of the fitted model by name, with their dates.
+    days : numpy.ndarray of int, shape (days,)
+        Days of the record since 1970-01-01.
+
+    Returns
+    -------
+    bool
+        Dates are compared if the finding's leading candidate has the same time profile.
+    """
     if effect.name not in finding.candidates:
         return False
     leading = effects[finding.effect]
@@ -262,7 +324,21 @@ def holds(finding: Finding, effect: Effect, effects: dict, days: np.ndarray) -> 
 
 
 def same_days(one: Effect, other: Effect, days: np.ndarray) -> bool:
-    """Whether two changes with one time profile are on mostly the same days."""
+    """
+    Whether two changes with one time profile are on mostly the same days.
+
+    Parameters
+    ----------
+    one, other : Effect
+        Sensor faults, with their dates.
+    days : numpy.ndarray of int, shape (days,)
+        Days of the record since 1970-01-01.
+
+    Returns
+    -------
+    bool
+        True if half of the days of either are days of both, and for trends always.
+    """
     if time_profile_of(one).name == "drift":
         return True
     a, b = (weights_of(effect, days) > 0.0 for effect in (one, other))

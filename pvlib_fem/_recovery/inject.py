@@ -146,6 +146,22 @@ def readable(effect: Effect, way: dict, days: np.ndarray, coefficients: dict) ->
     The largest size of a fault with which its sensor still reads.
 
     A sensor that reads a tenth of the true value, or ten times as much, has failed.
+
+    Parameters
+    ----------
+    effect : Effect
+        With its dates.
+    way : dict
+        Unit vector of its coefficients: of a fault that scales its reading 1 or −1.
+    days : numpy.ndarray of int, shape (days,)
+        Days of the fitting weeks since 1970-01-01.
+    coefficients : dict
+        Of the loop's model; an anemometer's fault is measured by its ``u1``.
+
+    Returns
+    -------
+    float
+        In the unit of the coefficient; infinite if there is no such size.
     """
     whole = whole_of(effect.sensor_fault, coefficients)
     if whole is None:
@@ -162,7 +178,20 @@ def whole_of(sensor_fault: str, coefficients: dict) -> Any:
 
 
 def add(data: pd.DataFrame, label: Any, rows: np.ndarray, values: np.ndarray) -> None:
-    """Add to some rows of a column, in place."""
+    """
+    Add to some rows of a column, in place.
+
+    Parameters
+    ----------
+    data : pandas.DataFrame, shape (all rows, columns)
+        The user's frame; changed in place.
+    label : hashable
+        Of the column.
+    rows : numpy.ndarray of bool, shape (all rows,)
+        Rows that are changed.
+    values : numpy.ndarray, shape (rows,)
+        A summand for each of these rows, in the unit of the column.
+    """
     column = data[label].to_numpy(float).copy()
     column[rows] += values
     data[label] = column

@@ -73,12 +73,20 @@ def recovered(
     Parameters
     ----------
     data : DataFrame
+        The record.
     injector : Injector
+        Of the same record.
     baseline : tuple of Finding
         Findings of the loop on the record itself.
     how : dict
         Arguments of the loop.
     injection : Injection
+        The effect, with its dates and size.
+
+    Returns
+    -------
+    Outcome
+        ``refused`` if the loop raises a ValueError.
     """
     try:
         loop = close_loop(injector.into(data, injection), **how)

@@ -25,7 +25,19 @@ HEAD = (
 
 
 def lines(recovery: Any) -> Iterator:
-    """Yield the lines of the printout."""
+    """
+    Yield the lines of the printout.
+
+    Parameters
+    ----------
+    recovery : Recovery
+        Also an interrupted one.
+
+    Yields
+    ------
+    str
+        Without a line end.
+    """
     done, planned = len(recovery.outcomes), recovery.planned
     head = f"{done} injections" + (f" of {planned} planned" if done < planned else "")
     added = [" | ".join(f.candidates) for f in recovery.baseline if f.added]

@@ -54,7 +54,27 @@ class Trial:
 
 
 def trial_of(scrambler: Any, how: dict, seed: int, kind: Any, number: Any) -> Any:
-    """Scramble a record, close the loop, and count false names."""
+    """
+    Scramble a record, close the loop, and count false names.
+
+    Parameters
+    ----------
+    scrambler : Scrambler
+        Of the record.
+    how : dict
+        Arguments of the loop; ``holdout`` is replaced by the scrambler's.
+    seed : int
+        Of the random numbers.
+    kind : str
+        ``"drivers"`` or ``"dates"``.
+    number : int
+        Number among the trials of its kind.
+
+    Returns
+    -------
+    Trial
+        ``refused`` if the loop raises a ValueError.
+    """
     record, holdout, lost, what = scrambler.scrambled(kind, number, seed)
     done = (kind, number, what, tuple(sorted(lost)))
     try:
@@ -73,7 +93,21 @@ def false_of(findings: Sequence, lost: Any) -> Any:
 
 
 def false_names(trials: Any) -> Any:
-    """Mean number of false names per record, and its 90 % interval."""
+    """
+    Mean number of false names per record, and its 90 % interval.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        Of one record; those that the loop refused do not count.
+
+    Returns
+    -------
+    mean : float
+        Sum of the means of each kind of trial; NaN if a kind has no trial.
+    interval : tuple of float
+        Lower and upper end.
+    """
     counts, rows = [], []
     for kind in dict.fromkeys(trial.kind for trial in trials):
         mine = [t for t in trials if t.kind == kind and not t.refused]
@@ -86,7 +120,23 @@ def false_names(trials: Any) -> Any:
 
 
 def rates(outcomes: Any, trials: Any, baseline: tuple) -> Any:
-    """Completeness and reliability by effect, see :attr:`Recovery.reliability`."""
+    """
+    Completeness and reliability by effect.
+
+    Parameters
+    ----------
+    outcomes : sequence of Outcome
+        Of injections; those of 1.5 times the predicted size and more count.
+    trials : sequence of Trial
+        Of scrambled records; those that the loop refused do not count.
+    baseline : tuple of Finding
+        Findings of the record itself.
+
+    Returns
+    -------
+    pandas.DataFrame, shape (effects, 11)
+        See :attr:`Recovery.reliability`.
+    """
     named = {f.effect for f in baseline if f.added and f.verdict is Verdict.IDENTIFIED}
     done = [trial for trial in trials if not trial.refused]
     lost = [name for trial in done for name in trial.lost]

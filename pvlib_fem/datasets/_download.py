@@ -29,7 +29,26 @@ FILES = {
 
 
 def fetch(file: str) -> Path:
-    """Path of a file with the right hash: in the user's folder, or downloaded."""
+    """
+    Path of a file with the right hash: in the user's folder, or downloaded.
+
+    Parameters
+    ----------
+    file : str
+        Key of ``FILES``.
+
+    Returns
+    -------
+    pathlib.Path
+        In the user's folder or the cache.
+
+    Raises
+    ------
+    OSError
+        If the file is in neither and cannot be downloaded.
+    ValueError
+        If the file in the user's folder, or the downloaded one, has another hash.
+    """
     url, sha256 = FILES[file]
     if path := in_folder(file, sha256):
         return path
@@ -44,7 +63,26 @@ def fetch(file: str) -> Path:
 
 
 def in_folder(file: str, sha256: str) -> Path | None:
-    """Path of a file in the user's folder, or None; ValueError for a wrong hash."""
+    """
+    Path of a file in the user's folder.
+
+    Parameters
+    ----------
+    file : str
+        Name of the file.
+    sha256 : str
+        Its hash, as hexadecimal digits.
+
+    Returns
+    -------
+    pathlib.Path or None
+        None if the environment variable names no folder, or it has no such file.
+
+    Raises
+    ------
+    ValueError
+        If the file has another hash.
+    """
     folder = os.environ.get(FOLDER)
     if not folder or not (path := Path(folder) / file).is_file():
         return None
@@ -57,10 +95,31 @@ def in_folder(file: str, sha256: str) -> Path | None:
 
 
 def cache() -> Path:
-    """Folder of downloaded files."""
+    """
+    Folder of downloaded files.
+
+    Returns
+    -------
+    pathlib.Path
+        In the user's cache; it may not exist yet.
+    """
     return Path(pooch.os_cache("pvlib_fem"))
 
 
 def same(path: Path, sha256: str) -> bool:
-    """Whether a file has the pinned hash."""
+    """
+    Whether a file has the pinned hash.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        The file.
+    sha256 : str
+        Its hash, as hexadecimal digits.
+
+    Returns
+    -------
+    bool
+        False for another hash.
+    """
     return pooch.file_hash(str(path)) == sha256

@@ -33,7 +33,28 @@ LONGEST = 600.0  # s, for 17 MB
 
 
 def table(name: str) -> Any:
-    """The table of a record, as in its file."""
+    """
+    The table of a record, as in its file.
+
+    Parameters
+    ----------
+    name : str
+        ``"eurac_bolzano"`` or ``"nrel_stf"``.
+
+    Returns
+    -------
+    pandas.DataFrame, shape (hours, columns)
+        With the names and units of the file.
+
+    Raises
+    ------
+    ImportError
+        If pyarrow is missing.
+    OSError
+        If the wheel is not at hand and cannot be downloaded.
+    ValueError
+        If the wheel has another hash.
+    """
     try:
         import pyarrow  # noqa: F401
     except ImportError as error:
