@@ -42,6 +42,12 @@ def timed(data: pd.DataFrame, layout: Any, name: str) -> tuple[pd.DataFrame, lis
     Returns
     -------
     DataFrame, list of str
+
+    Raises
+    ------
+    ValueError
+        If a column of the times is not there, a row holds no time, or there is no such
+        zone; the message names the option that helps.
     """
     time, notes, name_of = list(layout.time), [], data.index.name
     if isinstance(data.index, pd.DatetimeIndex) and time in ([], [name_of]):
@@ -189,6 +195,11 @@ def times(
     Returns
     -------
     DatetimeIndex
+
+    Raises
+    ------
+    ValueError
+        If a row holds no time of the format, or day and month look exchanged.
     """
     name = " and ".join(f"{name!r}" for name in columns)
     column = joined(columns)
@@ -457,6 +468,11 @@ def in_zone(index: Any, tz: Any) -> Any:
     -------
     DatetimeIndex, array of bool, list of str
         Times, the rows that have one in that zone, and what is said of others.
+
+    Raises
+    ------
+    ValueError
+        If there is no such zone.
     """
     try:
         ZoneInfo(tz)

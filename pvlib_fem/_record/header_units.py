@@ -286,6 +286,11 @@ def converted(
     -------
     Series
         A code such as -9999 stays as it is, so that a screening knows it.
+
+    Raises
+    ------
+    ValueError
+        If the column cannot be in that unit, or the area is needed and not given.
     """
     unit, name = unit_of(name, unit), usual_name_of(name)
     factor, offset = units_of(name)[unit]

@@ -34,6 +34,12 @@ def joined(tables: list, names: list, columns: Mapping) -> tuple[pd.DataFrame, l
     -------
     DataFrame, list of str
         The table, and what was done.
+
+    Raises
+    ------
+    ValueError
+        If only some have a zone, times do not rise, or fewer than half of the shorter
+        table's rows find a partner.
     """
     if len(tables) == 1:
         return tables[0], []
@@ -92,6 +98,12 @@ def stacked(
     Returns
     -------
     DataFrame, str
+
+    Raises
+    ------
+    ValueError
+        If the pieces differ in their columns, only some have a zone, or one begins
+        before another ends.
     """
     if len(tables) == 1:
         return tables[0], names[0]
