@@ -41,12 +41,16 @@ def test_the_measured_day(day):
 
 def test_a_folder_without_the_file_is_passed_over(tmp_path, monkeypatch):
     asked = []
+
+    def retrieve(url, known_hash, fname, path):
+        asked.append(url)
+        return str(path / fname)  # as pooch does
+
     monkeypatch.setenv(files.FOLDER, str(tmp_path))
-    monkeypatch.setattr(
-        pooch, "retrieve", lambda url, known_hash, **kw: asked.append(url)
-    )
-    files.fetch("sandia_week_1min.csv")
-    assert asked == [files.FILES["sandia_week_1min.csv"][0]]
+    monkeypatch.setattr(pooch, "retrieve", retrieve)
+    name = "sandia_week_1min.csv"
+    assert files.fetch(name) == files.cache() / name
+    assert asked == [files.FILES[name][0]]
 
 
 def test_without_a_network_the_message_says_where_a_file_can_be_put(monkeypatch):
