@@ -205,6 +205,7 @@ def fit_frame(
     data : DataFrame
         Record, see :func:`pvlib_fem.close_loop`.
     effects : str, dict, Effect or sequence of them
+        See :func:`pvlib_fem.fit_fem`.
     location, surface_tilt, surface_azimuth, mount
         Site and plane, see :func:`pvlib_fem.close_loop`; none is estimated.
     transposition, stand_ins

@@ -88,12 +88,13 @@ def correlation(daily: Any, stderr: dict) -> pd.DataFrame:
     Parameters
     ----------
     daily : DailySums or None
+        At the minimum; None if the fit has none.
     stderr : dict
         Standard errors of :func:`errors`.
 
     Returns
     -------
-    DataFrame
+    pandas.DataFrame, shape (n, n)
         Rows and columns are the coefficients that have an error; may be empty.
     """
     names = daily.names if daily is not None else ()

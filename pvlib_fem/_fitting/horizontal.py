@@ -74,6 +74,7 @@ def transpose_record(
         Record with a DatetimeIndex and ``ghi``. If it has ``dni`` and ``dhi``, they
         replace Erbs' correlation [1]_. [W/m²] Or files of :func:`open_parquet`.
     location : pvlib.location.Location
+        Of the plant.
     surface_tilt, surface_azimuth : float or Series, optional
         Orientation of the module; azimuth from north, clockwise. If it changes with
         time, Series, or columns of ``data`` with these names. [°]
@@ -163,10 +164,13 @@ def files_in_plane(
     Parameters
     ----------
     source : ParquetRecord
+        Files with ``ghi`` [W/m²].
     place : dict
         From :func:`pvlib_fem.drivers.checked_place`.
     transposition : str
+        ``"perez"`` or ``"haydavies"``.
     limits : Limits, optional
+        Thresholds by which the times are checked.
 
     Returns
     -------
@@ -213,19 +217,24 @@ def with_plane(
 
     Parameters
     ----------
-    columns : dict of Series
-    index : DatetimeIndex
+    columns : dict of pandas.Series, shape (rows,)
+        Columns by name; irradiance in W/m².
+    index : pandas.DatetimeIndex, shape (rows,)
+        Their times.
     place : dict
         From :func:`pvlib_fem.drivers.checked_place`.
     transposition : str
+        ``"perez"`` or ``"haydavies"``.
     limits : Limits, optional
+        Thresholds of the screening of ``ghi``.
     check_units : bool, default True
+        Refuse irradiance in kW/m².
     check_clock : bool, default True
         Refuse times that do not fit the sun.
 
     Returns
     -------
-    dict of Series, tuple of str
+    dict of pandas.Series, tuple of str
     """
     check_transposition(transposition, place)
     if LIGHT in columns:

@@ -20,7 +20,9 @@ def fit_source(source: Any, target: ThermalModel, notes: list) -> Any:
     Parameters
     ----------
     source : Frame or InFiles
+        Rows in memory or in files.
     target : ThermalModel
+        The model with all effects.
     notes : list of str
         Notes on the rows; the notes on the fit are appended.
 

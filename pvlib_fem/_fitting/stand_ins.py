@@ -181,13 +181,16 @@ def with_stand_ins(columns: Any, names: Any, limits: Any = None) -> Any:
 
     Parameters
     ----------
-    columns : dict of Series
+    columns : dict of pandas.Series, shape (rows,)
+        Columns by name.
     names : str or sequence of str
+        See :func:`chosen`.
     limits : Limits, optional
+        Thresholds of the screening.
 
     Returns
     -------
-    dict of Series, tuple of StandIn, tuple of str
+    dict of pandas.Series, tuple of StandIn, tuple of str
     """
     found, notes = [], []
     for usual, name in chosen(names).items():

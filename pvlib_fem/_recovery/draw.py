@@ -177,11 +177,13 @@ def drawn(
     Parameters
     ----------
     effect : Effect
-    days : array of int
+        Without dates.
+    days : numpy.ndarray of int, shape (days,)
         Days of the fitting weeks that have rows, from 1970-01-01.
     side : int
         Least number of days on either side of a date.
     draws, seed : int
+        Number of draws, and seed of the random numbers.
 
     Returns
     -------

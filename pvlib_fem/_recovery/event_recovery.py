@@ -61,6 +61,7 @@ def recover_events(
     draws : int, default 20
         Days of each effect, as far as there are so many on which the size is possible.
     seed : int, default 0
+        Seed of the drawn days.
     model, location, surface_tilt, surface_azimuth, criteria, mount : optional
         As in :func:`close_loop`.
 

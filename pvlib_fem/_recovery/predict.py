@@ -36,10 +36,13 @@ def predictions(
     Parameters
     ----------
     case : Case
+        The record of the loop.
     step : Step
         The last step of the loop.
     draws, seed : int
+        Number of draws, and seed of the random numbers.
     effect : Effect
+        Without dates.
 
     Returns
     -------

@@ -91,6 +91,7 @@ def recover_effects(
         Number of draws of dates and signs per effect. An effect without date and sign
         has one draw.
     seed : int, default 0
+        Seed of the drawn dates, signs and scrambled records.
     model, location, surface_tilt, surface_azimuth, holdout, mount : optional
         See :func:`close_loop`.
     tried : str, Effect, or sequence of these, optional

@@ -36,6 +36,7 @@ def synthetic(
     Parameters
     ----------
     days : float, default 30
+        Length of the record. [days]
     step : float, default 60
         [s]
     start : str, default "2023-06-01"

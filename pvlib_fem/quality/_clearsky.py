@@ -23,11 +23,12 @@ def clear_sky(
 
     Parameters
     ----------
-    poa_global : array
+    poa_global : array, shape (rows,)
         [W/m²]
-    index : DatetimeIndex
+    index : DatetimeIndex, shape (rows,)
         Without a zone in standard time at the location.
     location : pvlib.location.Location
+        Of the sensor.
     angles : tuple of float or array, optional
         Tilt and azimuth of the sensor; a flat one where they are not known, arrays of
         one that moves. [°]
@@ -36,7 +37,7 @@ def clear_sky(
 
     Returns
     -------
-    array
+    array, shape (rows,)
         [W/m²]
 
     Notes

@@ -70,9 +70,9 @@ def daylight_saving(
 
     Parameters
     ----------
-    poa_global : array
+    poa_global : array, shape (rows,)
         Irradiance in the plane of the array. [W/m²]
-    index : DatetimeIndex
+    index : DatetimeIndex, shape (rows,)
         What the file calls its times, without a zone or in a zone of no daylight
         saving.
     noon : SolarNoon
@@ -83,6 +83,7 @@ def daylight_saving(
     surface_tilt, surface_azimuth : float, optional
         Of the plane; horizontal where they are not known. [°]
     limits : Limits, optional
+        The thresholds.
     mount : pvlib.pvsystem.AbstractMount, optional
         Of a plane that moves.
 

@@ -35,10 +35,12 @@ def twin_clock(
 
     Parameters
     ----------
-    poa_global, other : array
+    poa_global, other : array, shape (rows,)
         Irradiance of two sensors, in any planes. [W/m²]
-    index : DatetimeIndex
+    index : DatetimeIndex, shape (rows,)
+        Times of both.
     limits : Limits, optional
+        The thresholds.
 
     Returns
     -------

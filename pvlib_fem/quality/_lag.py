@@ -45,11 +45,12 @@ def lag(
 
     Parameters
     ----------
-    seconds : array
+    seconds : array, shape (rows,)
         Times since the record's first row. [s]
-    poa, air, module : array
+    poa, air, module : array, shape (rows,)
         ``poa_global`` [W/m²], ``temp_air`` and ``temp_module`` [°C].
     limits : Limits
+        Thresholds of the clock.
 
     Returns
     -------

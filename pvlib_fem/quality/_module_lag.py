@@ -93,9 +93,10 @@ def clock_shift(
     ----------
     record : Record
         From ``records.measured``; its rows are an hour apart at most.
-    skip : array of bool, optional
+    skip : array of bool, shape (rows,), optional
         Rows that are not to be used, as those of a stuck sensor.
     limits : Limits, optional
+        The thresholds.
 
     Returns
     -------

@@ -97,14 +97,18 @@ def light_by_night(
     Parameters
     ----------
     clean : CleanRecord
-    ends : DatetimeIndex
+        With ``poa_global``.
+    ends : DatetimeIndex, shape (2,)
+        First and last time.
     step : float
         Usual time between rows; none is found where it is long. [s]
     limits : Limits
+        Thresholds of light by night.
 
     Returns
     -------
-    list of tuple
+    list of tuple of array, shape (n,)
+        Numbers, times and values [W/m²] of the rows of each block; empty without any.
     """
     if step > limits.coarsest:
         return []

@@ -49,15 +49,16 @@ def solar_noon_shift(
 
     Parameters
     ----------
-    poa_global : array
+    poa_global : array, shape (rows,)
         Irradiance in the plane of the array. [W/m²]
-    index : DatetimeIndex
+    index : DatetimeIndex, shape (rows,)
         Without a zone it is read as standard time at ``location``.
     location : pvlib.location.Location, optional
         Without it only jumps of an hour are seen, no constant shift.
     surface_tilt, surface_azimuth : float, optional
         Of the plane; horizontal where they are not known. [°]
     limits : Limits, optional
+        The thresholds.
     mount : pvlib.pvsystem.AbstractMount, optional
         Of a plane that moves.
 

@@ -56,9 +56,11 @@ def screened_blocks(
     Parameters
     ----------
     source : ParquetRecord
+        The files.
     drivers : sequence of str
         Columns in addition to the usual four.
     limits : Limits, optional
+        The thresholds.
     check_units : bool, default True
         Refuse columns that look to be in another unit.
     needed : sequence of str, optional

@@ -73,11 +73,12 @@ def plane_of(
 
     Parameters
     ----------
-    poa_global : array
+    poa_global : array, shape (rows,)
         [W/m²]
-    index : DatetimeIndex
+    index : DatetimeIndex, shape (rows,)
         Without a zone in standard time at the location.
     location : pvlib.location.Location
+        Of the sensor.
     late : float
         By how much the rows' times are late, as the middle of the light has it. [s]
 
@@ -142,7 +143,8 @@ def fixed_rather(
     Parameters
     ----------
     angles : tuple
-        Tilt and azimuth of the plane that moves, arrays or numbers. [°]
+        Tilt and azimuth of the plane that moves, numbers or arrays of shape (rows,).
+        [°]
     poa_global, index, location, late
         As in :func:`plane_of`.
 

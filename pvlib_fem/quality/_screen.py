@@ -82,6 +82,7 @@ def screened(
     record : Record
         As it came.
     limits : Limits, optional
+        The thresholds.
     check_units : bool, default True
         Refuse columns that look to be in another unit.
 

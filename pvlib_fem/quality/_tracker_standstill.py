@@ -90,12 +90,13 @@ def standing_of(
 
     Parameters
     ----------
-    poa_global : array
+    poa_global : array, shape (rows,)
         [W/m²]
-    index : DatetimeIndex
+    index : DatetimeIndex, shape (rows,)
         Without a zone in standard time at the location.
     location : pvlib.location.Location
-    angles : tuple of array
+        Of the sensor.
+    angles : tuple of array, shape (rows,)
         Tilt and azimuth of the described plane. [°]
     late : float
         By how much the rows' times are late. [s]

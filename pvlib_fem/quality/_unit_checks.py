@@ -53,6 +53,7 @@ def doubtful(columns: Columns, limits: Limits | None = None) -> dict[str, str]:
     columns : mapping
         Name to values, as pvlib names them, among them ``poa_global`` [W/m²].
     limits : Limits, optional
+        The thresholds.
 
     Returns
     -------

@@ -93,6 +93,7 @@ def record(
     Parameters
     ----------
     site : Site
+        The site.
     effects : dict
         Switches and amplitudes; `LINEAR`, `PHYSICS`, `OUTDOORS` or your own, as
         ``OUTDOORS | {"soiling": 1.0}``.

@@ -68,20 +68,21 @@ def light(
 
     Parameters
     ----------
-    weather : DataFrame
-        Result of `weather`, of n rows; so in the functions below.
+    weather : DataFrame, shape (rows, columns)
+        Result of `weather`.
     site : Site
+        The site.
     on : dict of float
         Amplitudes by switch, see `amplitudes`.
-    covered : array
+    covered : array, shape (rows,)
         Share of the module under snow. [-]
-    albedo : array
+    albedo : array, shape (rows,)
         Of the ground. [-]
 
     Returns
     -------
-    sun, rear : array
-        Of n rows.
+    sun, rear : array, shape (rows,)
+        Light through the glass, and heat that the back absorbs. [W/m²]
     """
     tilt, azimuth = orientation(weather, site, on["tracker_stuck"])
     beam, sky, ground, cosine = plane(
@@ -160,16 +161,17 @@ def output(
 
     Parameters
     ----------
-    sun : array
+    sun : array, shape (rows,)
         Irradiance through the glass. [W/m²]
-    idle : array
+    idle : array, shape (rows,)
         Share of the output that is curtailed. [-]
     on : dict of float
         Amplitudes by switch.
 
     Returns
     -------
-    constant, slope : array
+    constant, slope : array, shape (rows,)
+        The slope is 0 or negative.
     """
     full = EFFICIENCY * sun * (1 - idle)
     low = on["conversion"] * LOW_LIGHT * np.log(np.clip(sun, 10.0, None) / 1000.0)
@@ -220,8 +222,10 @@ def forcing(
 
     Parameters
     ----------
-    weather : DataFrame
+    weather : DataFrame, shape (rows, columns)
+        Result of `weather`, on even steps.
     site : Site
+        The site.
     on : dict of float
         Amplitudes by switch.
 

@@ -27,20 +27,20 @@ def plane(
 
     Parameters
     ----------
-    weather : DataFrame
+    weather : DataFrame, shape (rows, columns)
         Result of `weather`.
-    tilt, azimuth : float or array
+    tilt, azimuth : float or array, shape (rows,)
         Of the plane. [°]
-    albedo : array
+    albedo : array, shape (rows,)
         Of the ground. [-]
     form : str
         Model of the sky diffuse irradiance, see `Forms`.
 
     Returns
     -------
-    beam, sky, ground : array
+    beam, sky, ground : array, shape (rows,)
         [W/m²]
-    cosine : array
+    cosine : array, shape (rows,)
         Of the angle of incidence of the beam, 0 behind the plane and at night.
     """
     elevation = weather["elevation"].to_numpy()

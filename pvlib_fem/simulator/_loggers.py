@@ -57,6 +57,7 @@ def measure(
     truth : DataFrame
         Result of `simulate` for the same ``effects``.
     site : Site
+        The site.
     effects : dict
         Switches; ``swap`` maps a column to one of `UNITS`.
     seed : int

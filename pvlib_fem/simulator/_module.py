@@ -40,6 +40,7 @@ def simulate(weather: pd.DataFrame, site: Site, effects: Effects) -> pd.DataFram
     weather : DataFrame
         Result of `weather`, on even steps.
     site : Site
+        The site.
     effects : dict
         Amplitudes of `SWITCHES` by name; other switches are off.
 

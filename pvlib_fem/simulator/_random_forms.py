@@ -19,6 +19,7 @@ def drawn(seed: int, site: Site = RHINE) -> Forms:
     Parameters
     ----------
     seed : int
+        Of the random numbers.
     site : Site
         Site on whose sun path the obstacles are.
 

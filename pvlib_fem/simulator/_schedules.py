@@ -46,8 +46,9 @@ def undeclared(
 
     Parameters
     ----------
-    times : DatetimeIndex
-    air : array
+    times : DatetimeIndex, shape (rows,)
+        In local standard time.
+    air : array, shape (rows,)
         Air temperature. [°C]
     on : dict of float
         Amplitudes by switch.
@@ -56,7 +57,8 @@ def undeclared(
 
     Returns
     -------
-    front, back : array
+    front, back : array, shape (rows,)
+        Positive if the module is warmed.
     """
     hour, month = clock(times)[0], times.month.to_numpy()
     weekend = times.day_of_week.to_numpy() >= 5

@@ -40,12 +40,15 @@ def weather(
     Parameters
     ----------
     site : Site
+        The site, with its climate.
     days : float
+        Length of the record. [days]
     step : float
         Time between rows. [s]
     start : str
         First day, in local standard time.
     seed : int
+        Of the random numbers.
 
     Returns
     -------
