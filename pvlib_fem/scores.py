@@ -53,7 +53,20 @@ def mae(measured: Numeric, modelled: Numeric) -> float:
     """
     Mean absolute difference of measured and modelled temperature.
 
-    Parameters and result as in :func:`rmse`. [K]
+    Parameters
+    ----------
+    measured, modelled : numeric
+        Temperatures, as in :func:`rmse`. [°C]
+
+    Returns
+    -------
+    float
+        MAE; NaN without a pair. [K]
+
+    Raises
+    ------
+    ValueError
+        As in :func:`rmse`.
     """
     return mean_of(np.abs(difference(measured, modelled)))
 
@@ -62,8 +75,22 @@ def mbe(measured: Numeric, modelled: Numeric) -> float:
     """
     Mean of measured minus modelled temperature, the paper's MBE.
 
-    Its sign [1]_ makes it the bias that is *added* to the model. Parameters and
-    result as in :func:`rmse`. [K]
+    Its sign [1]_ makes it the bias that is *added* to the model.
+
+    Parameters
+    ----------
+    measured, modelled : numeric
+        Temperatures, as in :func:`rmse`. [°C]
+
+    Returns
+    -------
+    float
+        MBE, positive if the model is too cold; NaN without a pair. [K]
+
+    Raises
+    ------
+    ValueError
+        As in :func:`rmse`.
 
     References
     ----------
@@ -99,19 +126,53 @@ class ErrorSums:
 
 
 def scores_of(error: Any, part: Any) -> Any:
-    """RMSE, MAE and MBE of some errors; each name ends with the part. [K]"""
+    """
+    RMSE, MAE and MBE of some errors. [K]
+
+    Parameters
+    ----------
+    error : array, shape (rows,)
+        Measured minus modelled temperature; NaN does not count. [K]
+    part : str
+        Part of the record, at the end of each name.
+
+    Returns
+    -------
+    dict of float
+        ``rmse_<part>``, ``mae_<part>`` and ``mbe_<part>``; NaN without rows.
+    """
     tally = ErrorSums()
     tally.add(error)
     return tally.scores(part)
 
 
 def tallying() -> dict:
-    """Tallies for the errors of one model on training days and on test days."""
+    """
+    Running sums of the errors of one model, on fitting days and on test days.
+
+    Returns
+    -------
+    dict of ErrorSums
+        ``train`` and ``test``.
+    """
     return {"train": ErrorSums(), "test": ErrorSums()}
 
 
 def scored(tallies: dict) -> pd.DataFrame:
-    """A row of scores for each model."""
+    """
+    A row of scores for each model.
+
+    Parameters
+    ----------
+    tallies : dict of dict of ErrorSums
+        From :func:`tallying`, by name of the model.
+
+    Returns
+    -------
+    DataFrame
+        By model ``rmse_train``, ``mae_train``, ``mbe_train``, and the same for
+        ``test``. [K]
+    """
     rows = {
         name: {
             n: v for part, tally in parts.items() for n, v in tally.scores(part).items()
@@ -247,7 +308,22 @@ def kilowatt_hours(inputs: Inputs) -> np.ndarray:
 def energy_of(
     kilowatt_hours: np.ndarray, too_hot: np.ndarray, gamma: float = GAMMA
 ) -> EnergyError:
-    """The energy error of rows by their irradiation and their temperature error."""
+    """
+    Energy error of rows by their irradiation and their temperature error.
+
+    Parameters
+    ----------
+    kilowatt_hours : array, shape (rows,)
+        Irradiation of each row. [kWh/m²]
+    too_hot : array, shape (rows,)
+        Modelled minus measured temperature; NaN does not count. [K]
+    gamma : float, default -0.0035
+        Temperature coefficient of power. [1/K]
+
+    Returns
+    -------
+    EnergyError
+    """
     error = kilowatt_hours * too_hot * gamma
     seen = np.isfinite(error)
     over = error[seen & (too_hot < 0)].sum()

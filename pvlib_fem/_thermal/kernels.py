@@ -497,6 +497,34 @@ def answer(
     cache. A column as long as a tile is constant. Rows that influence no row that
     counts are skipped: most nights and days held out. If both products and temperature
     are wanted, no row is skipped.
+
+    Parameters
+    ----------
+    dynamics : int
+        ``STEADY``, ``EWM`` or ``BALANCE``.
+    law : (int, float, float, float)
+        The steady model as a line: place of its scale in :data:`.SCALES`, value in calm
+        air, slope by wind, and the wind from which it is constant. [m/s]
+    memory : (float, float, float, bool)
+        Time constant or capacity, over the seconds of a unit; these seconds; median
+        step of the record in units, NaN if unknown; and whether any loss is added.
+    columns : tuple of array
+        Steps, air temperature [°C], heat [W/m²], wind [m/s], added loss [W/(m² K)],
+        offset [K], and an array that the temperature is written to. [°C]
+    more : tuple of (array of int, array)
+        For heat, loss and offset: positions, shape (n,), of the further terms that add
+        to it, and their slopes, shape (n, rows + APART).
+    seen : (array of bool, array)
+        Mask of the rows that count, and measured temperature. [°C]
+    edges : array of int, shape (parts + 1,)
+        First row of each part, from 0 on, and the end of the last.
+    state : array, shape (3, columns)
+        State of the recursions before the rows; it is updated to their end. It has as
+        many columns as the products.
+    total : array, shape (parts, columns, columns) or (0, columns, columns)
+        Takes the products; without parts none are computed.
+    responses : array, shape (terms, rows) or (0, rows)
+        Takes the responses to the further terms. [K per unit]
     """
     steps, air, heat, wind, loss, offset, temperature = columns
     (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more

@@ -59,7 +59,25 @@ def averages(
 
 
 def enough(step: str, rows: int, at_least: int, condition: str, remedy: str) -> None:
-    """Refuse a step of the recipe that has too few points."""
+    """
+    Refuse a step of the recipe that has too few points.
+
+    Parameters
+    ----------
+    step : str
+        Name of the step, for the message.
+    rows, at_least : int
+        Number of points, and the least number.
+    condition : str
+        Condition of the points, for the message.
+    remedy : str or ShellText
+        End of the message.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer points than that.
+    """
     if rows < at_least:
         raise refusal(
             f"{step} needs {at_least} points and has {rows}: five-minute daytime "
