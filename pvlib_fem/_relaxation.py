@@ -5,6 +5,7 @@ step is ``y[i] = decay[i]*y[i-1] + (1 - decay[i])*x[i]`` with
 ``decay = exp(-step/tau)``: a lower bidiagonal linear system, which BLAS solves.
 """
 
+from functools import wraps
 from typing import Any
 
 import numpy as np
@@ -160,6 +161,7 @@ def time_constant(
 def over_nan(solve: Any) -> Any:
     """Decorate a solver: it gets the rows without NaN and the steps between them."""
 
+    @wraps(solve)
     def solved(
         target: np.ndarray,
         steps: float | np.ndarray,
