@@ -162,7 +162,7 @@ def counting(record: Record) -> np.ndarray:
     Returns
     -------
     array of bool, shape (rows,)
-        True where no usual column is missing; nights count.
+        True as in :func:`pvlib_fem._record.filters.counted`, nights included.
     """
     return np.asarray(counted(record.inputs.columns, with_night=True))
 

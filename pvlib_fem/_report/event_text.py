@@ -86,7 +86,19 @@ def described(row: pd.Series | Mapping[Hashable, Any]) -> str:
 
 
 def span(row: pd.Series | Mapping[Hashable, Any]) -> str:
-    """From and to of an event."""
+    """
+    From and to of an event.
+
+    Parameters
+    ----------
+    row : Series or dict
+        Row of ``loop.events``, with ``start`` and ``end``.
+
+    Returns
+    -------
+    str
+        Times to the minute, the second without its date if it is the same.
+    """
     start, end = row["start"], row["end"]
     until = f"{end:%H:%M}" if start.date() == end.date() else f"{end:%Y-%m-%d %H:%M}"
     return f"{start:%Y-%m-%d %H:%M} to {until}"
