@@ -66,7 +66,7 @@ def mae(measured: Numeric, modelled: Numeric) -> float:
     Raises
     ------
     ValueError
-        As in :func:`rmse`.
+        See :func:`rmse`.
     """
     return mean_of(np.abs(difference(measured, modelled)))
 
@@ -90,7 +90,7 @@ def mbe(measured: Numeric, modelled: Numeric) -> float:
     Raises
     ------
     ValueError
-        As in :func:`rmse`.
+        See :func:`rmse`.
 
     References
     ----------

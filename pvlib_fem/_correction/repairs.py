@@ -205,7 +205,7 @@ def unit_of(effect: Effect, repair: Repair) -> str:
     ----------
     effect : Effect
     repair : Repair
-        That of the effect.
+        From :func:`repair_of`.
 
     Returns
     -------
@@ -261,7 +261,7 @@ def sentence(effect: Effect, repair: Repair, added: tuple) -> str:
     ----------
     effect : Effect
     repair : Repair
-        That of the effect.
+        From :func:`repair_of`.
     added : tuple of float
         From :meth:`Repair.added`: value, standard error, and low and high end of the
         range, in K or as a share of the reading, of a trend per year.

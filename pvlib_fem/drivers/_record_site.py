@@ -71,7 +71,7 @@ def in_local_days(data: Any, longitude: Any, known_zone: Any) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        The same times in another zone, or the data as they are.
+        With times in another zone, or unchanged.
     """
     if longitude is None or known_zone or str(data.index.tz) != "UTC":
         return data
