@@ -30,6 +30,26 @@ PREDICTED = "+patterns"  # row of a table of errors, with the unexplained patter
 ADDED = (Verdict.IDENTIFIED, Verdict.AMBIGUOUS)  # what enters the model
 
 
+def in_percent(probability: float) -> str:
+    """
+    Write a probability, which is never 0 or 100 % of what is estimated.
+
+    Parameters
+    ----------
+    probability : float
+        From 0 to 1.
+
+    Returns
+    -------
+    str
+        Such as 97 %, and > 99 % or < 1 % at the ends.
+    """
+    percent = round(100.0 * probability)
+    if percent == 100:
+        return "> 99 %"
+    return f"{percent} %" if percent else "< 1 %"
+
+
 class Kind(Enum):
     """What a finding is about."""
 
@@ -244,7 +264,7 @@ class Finding:
     def shares(self) -> str:
         """The probability of each cause from 1 % on, in words."""
         return ", ".join(
-            f"{OUTSIDE_WORDS if name == OUTSIDE else name} {probability:.0%}"
+            f"{OUTSIDE_WORDS if name == OUTSIDE else name} {in_percent(probability)}"
             for name, probability in self.probabilities.items()
             if probability >= LEAST
         )

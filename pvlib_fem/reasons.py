@@ -1,5 +1,6 @@
 """Why something was or was not found: typed, and put into words here alone."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
@@ -152,7 +153,8 @@ class Because:
 
     def sentence(self) -> str:
         """The reason as a sentence, with its values."""
-        return self.reason.value.format(**self.values)
+        words = self.reason.value.format(**self.values)
+        return re.sub(r"(?<=\d)%", " %", words)  # Python's format has no space
 
     def __str__(self) -> str:
         return "; ".join(one.sentence() for one in self.all)

@@ -73,8 +73,8 @@ def by_effect(recovery: Any, table: pd.DataFrame) -> Iterator:
             counted(clear["first"]),
             share(sized["ratio"].median(), "{:.2f}"),
             share((sized["ratio"] - sized["own"] / sized["size"]).median(), "{:.2f}"),
-            share(part["covered"].mean(), "{:.0%}"),
-            share(part["in_range"].mean(), "{:.0%}"),
+            share(100.0 * part["covered"].mean(), "{:.0f} %"),
+            share(100.0 * part["in_range"].mean(), "{:.0f} %"),
         )
         rows.append(row)
     yield from aligned(rows)
@@ -99,8 +99,8 @@ def in_scrambled(recovery: Any) -> Iterator:
     there = int((rates["named"] & (rates["trials"] > 0)).sum())
     yield f"false names expected in a record: {mean:.2f} ({low:.2f} to {high:.2f})"
     if there:
-        right, least, most = (max(0.0, 1.0 - n / there) for n in (mean, high, low))
-        share = f"{right:.0%} ({least:.0%} to {most:.0%})"
+        parts = (max(0.0, 100.0 * (1.0 - n / there)) for n in (mean, high, low))
+        share = "{:.0f} % ({:.0f} % to {:.0f} %)".format(*parts)
         yield f"of this record's names, {there} that could be false: {share} are true"
     yield ""
     rows = [("effect", "completeness", "reliability", "named in the record")]
@@ -120,7 +120,8 @@ def in_scrambled(recovery: Any) -> Iterator:
 
 def interval(count: Any, of: str, low: Any, high: Any) -> Any:
     """A share with its interval."""
-    return f"{count} of {of} ({low:.0%} to {high:.0%})" if of else "–"
+    share = f"({100.0 * low:.0f} % to {100.0 * high:.0f} %)"
+    return f"{count} of {of} {share}" if of else "–"
 
 
 def aligned(rows: list) -> Iterator:

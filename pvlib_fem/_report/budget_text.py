@@ -66,7 +66,7 @@ def in_time(loop: "Loop") -> str:
     known = [words for words, size in zip(sizes, parts) if size >= SMALL]
     words = (
         f"{np.sqrt(remaining):.2f} K remain ({remaining:.2f} of {start:.2f} K², "
-        f"{remaining / start:.0%} of the squared error)"
+        f"{100 * remaining / start:.0f} % of the squared error)"
     )
     if known:
         words += f": {', '.join(known)}"

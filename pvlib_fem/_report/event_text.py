@@ -55,7 +55,7 @@ def all_of(events: pd.DataFrame) -> str:
     count, hours = len(events), int(events["hours"].sum())
     return (
         f"{count} event{'s' * (count > 1)}, {hours:,} h of light, "
-        f"{events['share'].sum():.1%} of the squared error"
+        f"{100 * events['share'].sum():.1f} % of the squared error"
     )
 
 
@@ -77,7 +77,7 @@ def described(row: pd.Series | Mapping[Hashable, Any]) -> str:
     way = "warmer" if row["size"] > 0 else "colder"
     parts = [f"{abs(row['size']):.1f} K {way} than modelled"]
     if np.isfinite(row["power"]):
-        parts.append(f"{max(row['power'], 0.0):.0%} of the expected power")
+        parts.append(f"{100 * max(row['power'], 0.0):.0f} % of the expected power")
     if np.isfinite(row.get("temp_air", np.nan)):
         parts.append(f"air at {row['temp_air']:.0f} °C")
     if np.isfinite(row.get("snow_depth", np.nan)):

@@ -8,6 +8,7 @@ import numpy as np
 
 from pvlib_fem._findings import PREDICTED
 from pvlib_fem._report.ceiling_text import sentence
+from pvlib_fem._report.formatting import rounded
 from pvlib_fem._report.loop_text import cell, length
 from pvlib_fem._statements.make import PATTERN, STUCK
 from pvlib_fem._statements.statement import Statement
@@ -149,7 +150,7 @@ def findings(statements: list[Statement], room: int) -> list[str]:
     for i, one in enumerate(statements):
         sizes = [f"{one.gain:.2f} K"] if np.isfinite(one.gain) else []
         if np.isfinite(one.energy):
-            sizes.append(f"{one.energy:.2g} kWh/kWp a year")
+            sizes.append(f"{rounded(one.energy)} kWh/kWp a year")
         worth = f" [{', '.join(sizes)}]" if sizes else ""
         words = f"{one.text}{worth}. {one.certainty.rstrip('.')}".rstrip(". ")
         action = f" → {one.action}." if one.action else ""

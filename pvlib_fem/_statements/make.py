@@ -16,6 +16,7 @@ from pvlib_fem._findings import (
     Kind,
     Member,
     Verdict,
+    in_percent,
 )
 from pvlib_fem._report import budget_text as budget, event_text as events
 from pvlib_fem._statements.causes import MODEL, MODULES, Clause, clause_of
@@ -185,7 +186,7 @@ def certainty_of(finding: Finding) -> str:
     agree = f"; {', '.join(dict.fromkeys(checks))}" if checks else ""
     if finding.verdict is Verdict.IDENTIFIED:
         share = finding.probabilities.get(finding.effect)
-        words = f" (probability {share:.0%})" if share is not None else ""
+        words = f" (probability {in_percent(share)})" if share is not None else ""
         return f"Identified{words}{agree}"
     if finding.verdict is Verdict.AMBIGUOUS:
         return f"Ambiguous{shares_of(finding)}{agree}"
@@ -195,9 +196,9 @@ def certainty_of(finding: Finding) -> str:
 def shares_of(finding: Finding) -> str:
     """Probabilities of the causes in their order, and of a cause outside."""
     known = finding.probabilities
-    parts = [f"{known[n]:.0%}" for n in finding.candidates if n in known]
+    parts = [in_percent(known[n]) for n in finding.candidates if n in known]
     if known.get(OUTSIDE, 0.0) >= LEAST:
-        parts.append(f"{OUTSIDE_WORDS} {known[OUTSIDE]:.0%}")
+        parts.append(f"{OUTSIDE_WORDS} {in_percent(known[OUTSIDE])}")
     return f" ({', '.join(parts)})" if parts else ""
 
 
@@ -303,8 +304,8 @@ def date_statements(loop: "Loop") -> Iterator[Statement]:
             device=MODULES,
             verdict="unexplained",
             text=(
-                f"On {days} the modules were {words} ({row['share']:.1%} of the "
-                "squared error)"
+                f"On {days} the modules were {words} "
+                f"({100 * row['share']:.1f} % of the squared error)"
             ),
             action=f"Look up {days} in the site's log",
             since=f"{row['start']:%Y-%m-%d}",

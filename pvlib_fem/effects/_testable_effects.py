@@ -130,7 +130,8 @@ def why_not(effect: Effect, drivers: dict, refused: dict, absent: Any) -> Becaus
         [n for n in needed_for(f.drivers) if n not in drivers] for f in effect.forms
     ]
     if not why and len(forms) > 1 and all(len(form) == 1 for form in forms):
-        return because(Reason.LACKS_ALL, columns=[name for (name,) in forms])
+        columns = list(dict.fromkeys(name for (name,) in forms))
+        return because(Reason.LACKS_ALL, columns=columns)
     if none := sorted({SUN.get(n, n) for n in missing if n not in refused}):
         why.append(because(Reason.LACKS, columns=none))
     return together(why)

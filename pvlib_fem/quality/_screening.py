@@ -98,8 +98,8 @@ def refuse_share(
     if share > limits.most_impossible:
         low, high, unit = possible(name)
         raise ValueError(
-            f"{share:.0%} of {name} is physically impossible (outside {low:g} … "
-            f"{high:g} {unit}), first {value:g} at {time}; check its unit and sensor"
+            f"{100 * share:.0f} % of {name} is physically impossible (outside {low:g} "
+            f"… {high:g} {unit}), first {value:g} at {time}; check its unit and sensor"
         )
 
 

@@ -62,8 +62,9 @@ class Standing:
             f"from {self.when} the irradiance sensor was stuck "
             f"{in_words(self.surface_tilt, self.surface_azimuth)}, while the record "
             f"describes a plane that turns: on {self.days} clear days a clear sky in "
-            f"the described plane leaves {self.before:.0%} of the irradiance, and in "
-            f"that one {self.after:.0%}; effects of the plane have its angles"
+            f"the described plane leaves {100 * self.before:.0f} % of the irradiance, "
+            f"and in that one {100 * self.after:.0f} %; effects of the plane have its "
+            "angles"
         )
 
     def rows(self, index: pd.DatetimeIndex) -> Any:

@@ -187,7 +187,7 @@ def check_longwave(seen: np.ndarray, known: Range, limits: Limits) -> str:
     if often(odd, limits):
         return (
             f"is outside the {known.least:g} to {known.most:g} W/m² that skies send in "
-            f"{np.mean(odd):.0%} of its rows, from {seen.min():.0f} to "
+            f"{100 * np.mean(odd):.0f} % of its rows, from {seen.min():.0f} to "
             f"{seen.max():.0f}; a pyrgeometer's net signal needs the σT⁴ of its body "
             "added"
         )

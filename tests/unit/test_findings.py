@@ -8,10 +8,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hypothesis import given, strategies as st
 
 import pvlib_fem
 from pvlib_fem import Criteria
-from pvlib_fem._findings import Check, Correction, Finding, Verdict
+from pvlib_fem._findings import Check, Correction, Finding, Verdict, in_percent
 from pvlib_fem._loop.conclude import member_of
 from pvlib_fem._stored import plain
 from pvlib_fem.effects import find
@@ -132,3 +133,20 @@ def test_a_candidate_has_the_coefficients_that_the_record_determines():
     assert member.coefficients == {key: -1.0} and member.stderr == {key: 0.1}
     low, high = member.ranges[key]
     assert low < -1.1 and high > -0.9
+
+
+@given(st.floats(0.0, 1.0))
+def test_a_probability_is_written_neither_as_0_nor_as_100_percent(probability):
+    text = in_percent(probability)
+    assert text not in ("0 %", "100 %")
+    sign, number = text.removesuffix(" %").rpartition(" ")[::2]
+    stated = float(number) / 100.0
+    if sign:
+        assert probability < stated if sign == "<" else probability > stated
+    else:
+        assert abs(probability - stated) <= 0.005 + 1e-12
+
+
+def test_a_reason_has_a_space_before_the_sign_of_percent():
+    reason = because(Reason.MISSING, share=0.25, column="wind_speed")
+    assert str(reason) == "25 % of wind_speed is missing"

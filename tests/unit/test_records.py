@@ -274,7 +274,7 @@ def test_a_record_that_is_mostly_impossible_is_refused(good):
     spoiled = column("wind_speed", lambda s: s.where(np.arange(len(s)) % 4 > 0, -9.0))
     with pytest.raises(
         ValueError,
-        match=r"25% of wind_speed is physically impossible \(outside 0 … 60 m/s\), "
+        match=r"25 % of wind_speed is physically impossible \(outside 0 … 60 m/s\), "
         "first -9 at 2023-06-01 00:00:00-07:00; check its unit and sensor",
     ):
         fit(spoiled(good))

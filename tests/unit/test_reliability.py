@@ -228,7 +228,7 @@ def test_reliability_is_the_share_of_trials_without_a_false_name():
     assert "in 4 records with drivers moved in time: 1 false names (rain)" in text
     assert "refused by the loop: 1, first: no" in text
     low, high = ends
-    share = f"75% ({1 - high:.0%} to {1 - low:.0%})"
+    share = f"75 % ({100 - 100 * high:.0f} % to {100 - 100 * low:.0f} %)"
     assert f"names, 1 that could be false: {share} are true" in text
 
 

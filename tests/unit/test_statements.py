@@ -27,7 +27,8 @@ import pvlib_fem as fem
 from pvlib_fem import simulator
 from pvlib_fem._findings import Kind, Member, Verdict
 from pvlib_fem._statements.causes import READS, SPECIAL, clause_of, reading_of
-from pvlib_fem._statements.loop_summary import LINES, WIDTH
+from pvlib_fem._statements.loop_summary import LINES, WIDTH, findings
+from pvlib_fem._statements.statement import Statement
 from pvlib_fem.effects import EFFECTS
 
 DEVICES = {
@@ -220,6 +221,15 @@ def test_the_summary_is_short_and_narrow(ambiguous, named_one):  # noqa: F811
         lines = str(loop).splitlines()
         assert len(lines) <= LINES and max(map(len, lines)) <= WIDTH
         assert "RMSE" in str(loop) and len(loop.report()) > len(str(loop))
+
+
+@pytest.mark.parametrize(
+    ("energy", "shown"),
+    [(1234.0, "1200"), (123.4, "120"), (12.34, "12"), (0.123, "0.12")],
+)
+def test_an_energy_is_shown_with_two_digits_and_no_exponent(energy, shown):
+    statement = Statement("snow", "model", "identified", "Snow", energy=energy)
+    assert f"[{shown} kWh/kWp a year]" in findings([statement], 9)[0]
 
 
 def test_a_long_list_is_cut_with_the_number_of_the_rest(ambiguous):  # noqa: F811
