@@ -98,9 +98,6 @@ def searching(
     """
     Least squares of one stage, in search coordinates, as a generator.
 
-    It returns a :class:`Minimum`, and the coefficients at it as the search varies them,
-    with shares of others.
-
     Parameters
     ----------
     model : ThermalModel
@@ -113,6 +110,12 @@ def searching(
         Whether the bias is fitted.
     flat : float
         Relative decrease of the cost that ends the search. [-]
+
+    Returns
+    -------
+    Minimum, dict
+        The minimum in search coordinates, and the coefficients at it as the search
+        varies them, with shares of others.
 
     Yields
     ------
