@@ -543,8 +543,8 @@ def by_reason(reasons: Mapping[str, Because]) -> dict[str, list[str]]:
     Returns
     -------
     dict of list of str
-        Names by the reason in words. Effects that would be seen have their least gain
-        [K], and all changes of instruments together are one name.
+        Names by the reason in words. An effect with a minimum detectable gain has it in
+        its name [K], and all changes of instruments together are one name.
     """
     groups = {}
     for name, why in reasons.items():
