@@ -140,7 +140,7 @@ class CrossCheck:
         The candidate that it checks.
     size, stderr : float
         Deviation of the column from the instrument along the time profile, and its
-        standard error.
+        standard error: a difference [K], or the logarithm of the ratio of both [-].
     expected : float
         The size if that candidate is the cause. With another cause it is about 0.
     outcome : CheckOutcome
@@ -163,16 +163,60 @@ class CrossCheck:
         warn_of_new_name("CrossCheck.opinion", "outcome")
         return self.outcome
 
+    @property
+    def reads(self) -> str:
+        """What the instrument reads by the column, such as 8.4 ± 0.2 % less a year."""
+        value, error = self.reading(self.size), self.stderr
+        if not self.in_kelvin:
+            error *= 100.0 + value  # slope of the exponential
+        return self.in_words(value, error)
+
+    @property
+    def in_kelvin(self) -> bool:
+        """Whether sizes are temperatures, and no shares."""
+        return self.unit.startswith("K")
+
+    def reading(self, size: float) -> float:
+        """
+        What the instrument reads beyond the column. [K or %]
+
+        Parameters
+        ----------
+        size : float
+            Deviation of the column from the instrument: a difference [K], or the
+            logarithm of a ratio.
+
+        Returns
+        -------
+        float
+        """
+        return -size if self.in_kelvin else 100.0 * float(np.expm1(-size))
+
+    def in_words(self, value: float, error: float = np.nan) -> str:
+        """
+        Write what the instrument reads beyond the truth.
+
+        Parameters
+        ----------
+        value, error : float
+            Reading and its standard error, which may be NaN. [K or %]
+
+        Returns
+        -------
+        str
+        """
+        digits, unit = (2, "K") if self.in_kelvin else (1, "%")
+        sign = f" ± {error:.{digits}f}" if np.isfinite(error) else ""
+        way = "more" if value > 0.0 else "less"
+        year = " a year" if self.unit.endswith("/year") else ""
+        return f"{abs(value):.{digits}f}{sign} {unit} {way}{year}"
+
     def __str__(self) -> str:
-        unit = self.unit.replace("-", "%").replace("/year", " a year")
-        times = 100.0 if "%" in unit else 1.0
-        size, error, needed = (
-            f"{times * n:.2g}" for n in (self.size, self.stderr, self.expected)
-        )
+        expected = self.in_words(self.reading(self.expected))
         verb = VERBS[self.outcome]
         return (
-            f"{self.column} {verb} {self.effect}: it deviates by {size} ± {error} "
-            f"{unit} from the sensor; {needed} {unit} are expected"
+            f"{self.column} {verb} {self.effect}: by it the sensor reads {self.reads}; "
+            f"{expected} is expected"
         )
 
 

@@ -178,7 +178,8 @@ def words_of(clause: Clause, place: str = "") -> str:
 def certainty_of(finding: Finding) -> str:
     """How sure a finding is, in words."""
     checks = [
-        f"{check.column} {'agrees' if agrees else 'contradicts ' + check.effect}"
+        f"{check.column} {'agrees' if agrees else 'contradicts ' + check.effect} "
+        f"({check.reads})"
         for check in finding.conclusive_checks
         if (agrees := check.outcome is CheckOutcome.AGREES) or not finding.added
         if agrees or check.effect == finding.effect

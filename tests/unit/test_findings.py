@@ -12,7 +12,15 @@ from hypothesis import given, strategies as st
 
 import pvlib_fem
 from pvlib_fem import Criteria
-from pvlib_fem._findings import Check, Correction, Finding, Verdict, in_percent
+from pvlib_fem._findings import (
+    Check,
+    CheckOutcome,
+    Correction,
+    CrossCheck,
+    Finding,
+    Verdict,
+    in_percent,
+)
 from pvlib_fem._loop.conclude import member_of
 from pvlib_fem._stored import plain
 from pvlib_fem.effects import find
@@ -150,3 +158,26 @@ def test_a_probability_is_written_neither_as_0_nor_as_100_percent(probability):
 def test_a_reason_has_a_space_before_the_sign_of_percent():
     reason = because(Reason.MISSING, share=0.25, column="wind_speed")
     assert str(reason) == "25 % of wind_speed is missing"
+
+
+@pytest.mark.parametrize("factor", [0.4, 0.9, 1.25])
+@pytest.mark.parametrize("drift", [False, True])
+def test_a_cross_check_says_what_the_sensor_reads_and_not_the_logarithm(factor, drift):
+    """An anemometer at 0.4 of its speed reads 60 % less, by one that is right."""
+    size = float(np.log(1.0 / factor))  # of the column over the sensor
+    unit = "-/year" if drift else "-"
+    how = ("wind_speed_2", "anemometer_step", size, 0.01, size)
+    check = CrossCheck(*how, CheckOutcome.AGREES, unit)
+    way = "more" if factor > 1.0 else "less"
+    size = abs(100.0 * (factor - 1.0))
+    year = " a year" if drift else ""
+    assert check.reads == f"{size:.1f} ± {factor:.1f} % {way}{year}"
+    assert str(check).endswith(f"{size:.1f} % {way}{year} is expected")
+
+
+def test_a_cross_check_in_kelvin_has_the_sign_of_the_sensor():
+    """A second sensor that reads 1.5 K below the first: the first reads more."""
+    how = ("temp_module_2", "module_offset_step", -1.5, 0.2, -1.4)
+    check = CrossCheck(*how, CheckOutcome.AGREES, "K")
+    assert check.reads == "1.50 ± 0.20 K more"
+    assert str(check).endswith("1.40 K more is expected")
