@@ -450,11 +450,12 @@ def beyond(table):
     misled = sum(len(listed(names)) > 0 for names in table["class_wrong"])
     yield (
         f"These have no requirement. An unexplained pattern is reported in "
-        f"{share(null, 'unexplained')} exact nulls and a class in "
+        f"{share(null, 'unexplained')} exact nulls and an ambiguous finding in "
         f"{share(null, 'ambiguous')}; "
         f"of the physics alone in {share(physics, 'unexplained')} and "
-        f"{share(physics, 'ambiguous')}. A class none of whose candidates is there, in "
-        f"physics or as a switch, is reported in {misled} records."
+        f"{share(physics, 'ambiguous')}. An ambiguous finding none of whose "
+        "candidates is there, in physics or as a switch, is reported in "
+        f"{misled} records."
     )
     yield ""
 

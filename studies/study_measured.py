@@ -49,7 +49,7 @@ class Summary:
 
     @property
     def names(self):
-        """What would have to be the same: each name, and each class whole."""
+        """What would have to be the same: each name, and each set of causes whole."""
         return {(verdict, candidates) for _, verdict, candidates, _, _ in self.findings}
 
     @property
@@ -175,8 +175,8 @@ def record_page(name, usual, *draws):
 
 
 def by_finding(usual, draws):
-    """How often each finding comes back, under which verdict and in which class."""
-    yield "| finding | in the model | same verdict | same class | always in it |"
+    """How often each finding comes back, with which verdict and candidates."""
+    yield "| finding | in the model | same verdict | same candidates | always in it |"
     yield "|---|---|---|---|---|"
     for effect in sorted({f[0] for one in (usual, *draws) for f in one.findings}):
         theirs = [f for one in draws for f in one.findings if f[0] == effect]

@@ -286,7 +286,7 @@ def sets(loop):
 
 
 def first_ok(groups, case):
-    """Whether the first finding holds a truth; of confounders, any class."""
+    """Whether the first finding holds a truth; of confounders, any set of causes."""
     truths = set(case.truths)
     if not truths or not groups:
         return False
@@ -302,7 +302,7 @@ def unexplained_ok(loop, case):
 
 
 def mentioned(loop, case):
-    """Whether the truth is among what could not be tested, or only as a class."""
+    """Whether the truth is among what could not be tested, or only ambiguous."""
     listed = {name for f in loop.finding_objects for name in f.candidates}
     return set(case.truths) <= {*loop.untestable, *listed}
 

@@ -133,12 +133,13 @@ def met(kept):
 
 def mistaken(table):
     """Reported causes that are not the truth, the most frequent first."""
-    told = []
-    for effect, names, classes in table[["effect", "wrong", "misled"]].to_numpy():
-        told += [(f"named `{name}`", effect) for name in names]
-        told += [(f"class {' / '.join(one.split(' | '))}", effect) for one in classes]
-    each = pd.DataFrame(told, columns=["told", "of"])
-    each = sorted(each.groupby("told")["of"], key=lambda one: -len(one[1]))
+    reported = []
+    for effect, names, ambiguous in table[["effect", "wrong", "misled"]].to_numpy():
+        reported += [(f"identified `{name}`", effect) for name in names]
+        sets = [" / ".join(one.split(" | ")) for one in ambiguous]
+        reported += [(f"ambiguous {words}", effect) for words in sets]
+    each = pd.DataFrame(reported, columns=["words", "of"])
+    each = sorted(each.groupby("words")["of"], key=lambda one: -len(one[1]))
     for words, of in each:
         yield f"| {words} | {len(of)} | {', '.join(sorted({*of}))} |"
 

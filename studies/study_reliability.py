@@ -33,13 +33,13 @@ both numbers are. Completeness is of effects put in at {clearly:g} times the siz
 which each should be found, each sensor fault with each time profile, at a drawn date.
 Reliability is of {trials} scrambled records of each kind. Intervals hold 90 %.
 
-| record | found | false names | false classes | records |
+| record | found | false names | false sets of causes | records |
 |---|---|---|---|---|
 """
 
 
 def run(trials, sizes, processes, folder):
-    """What is named in scrambled records, and found in each record as it is."""
+    """What is identified in scrambled records, and found in each record as it is."""
     folder.mkdir(parents=True, exist_ok=True)
     found = {}
     for name in YEARS:
@@ -69,18 +69,18 @@ def page(found, trials):
     for name, one in found.items():
         clear = one.table["found"][one.table["multiple"] >= CLEARLY - 1e-9]
         count, of = int(clear.sum()), len(clear)
-        told = [trial for trial in one.trials if not trial.refused]
-        names, classes = (
-            sum(len(getattr(trial, part)) for trial in told)
-            for part in ("named", "classes")
+        done = [trial for trial in one.trials if not trial.refused]
+        names, sets = (
+            sum(len(getattr(trial, part)) for trial in done)
+            for part in ("identified", "ambiguous")
         )
         share = interval(count, of, *share_between(count, of))
         kinds = ", ".join(
-            f"{sum(trial.kind == kind for trial in told)} with {words}"
+            f"{sum(trial.kind == kind for trial in done)} with {words}"
             for kind, words in KINDS.items()
-            if any(trial.kind == kind for trial in told)
+            if any(trial.kind == kind for trial in done)
         )
-        yield f"| `{name}` | {share} | {names} | {classes} | {kinds} |"
+        yield f"| `{name}` | {share} | {names} | {sets} | {kinds} |"
     yield ""
     for name, one in found.items():
         mean, (low, high) = false_names(one.trials)
@@ -98,12 +98,13 @@ def page(found, trials):
 
 def false(recovery):
     """What was false, the most frequent first."""
-    told = [n for trial in recovery.trials for n in (*trial.named, *trial.classes)]
-    if not told:
+    trials = recovery.trials
+    all_false = [n for one in trials for n in (*one.identified, *one.ambiguous)]
+    if not all_false:
         return
-    yield "| false name or class | times |"
+    yield "| false name, or set of causes | times |"
     yield "|---|---|"
-    for words, times in pd.Series(told).value_counts().items():
+    for words, times in pd.Series(all_false).value_counts().items():
         yield f"| {' / '.join(words.split(' | '))} | {times} |"
     yield ""
 

@@ -84,10 +84,11 @@ def close_loop(
     turn is material, its size is possible, and its probability is at least
     ``criteria.probability``. Each has the probabilities of all candidates that would
     explain the same, with that of a cause outside the catalogue among them. One
-    candidate with ``criteria.probability`` is *named*; else the smallest set that has
-    it together is a *class*. The model is fitted with all of them and linearised anew
-    until nothing changes. The *test* weeks, of which no decision sees the module's
-    temperature, give the errors that are reported.
+    candidate with ``criteria.probability`` is *identified*; else the finding is
+    *ambiguous*, with the smallest set of candidates that has it together. The model is
+    fitted with all of them and linearised anew until nothing changes. The *test*
+    weeks, of which no decision sees the module's temperature, give the errors that are
+    reported.
 
     Parameters
     ----------

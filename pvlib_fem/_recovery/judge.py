@@ -1,7 +1,7 @@
 """Compare the findings of a loop with an injected effect and with the baseline."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pandas as pd
@@ -10,6 +10,7 @@ from pvlib_fem._converter import AnyFloat
 from pvlib_fem._findings import Finding, Verdict
 from pvlib_fem._loop.close import close_loop
 from pvlib_fem._recovery.draw import Injection, holds
+from pvlib_fem._renamed_effects import warn_of_new_name
 from pvlib_fem.effects._effect import Effect
 
 INTERVAL = 1.96  # standard errors of 95 %
@@ -24,18 +25,18 @@ class Outcome:
     ----------
     injection : Injection
     found : bool
-        Whether a finding in the model names it, or has it in its class; a fault with
-        dates also on about the same days.
-    named, first : bool
-        Whether it is named; whether it is the first finding that the record itself
+        Whether a finding in the model has it among its candidates; a fault with dates
+        also on about the same days.
+    identified, first : bool
+        Whether it is identified; whether it is the first finding that the record itself
         does not show.
-    told : tuple of str
+    reported : tuple of str
         Findings that the record itself does not show, each with its candidates and
         dates.
     wrong : tuple of str
-        Names among these findings without the truth among their candidates.
+        Identified causes among these findings that are not the truth.
     misled : tuple of str
-        Classes among these findings without the truth.
+        Ambiguous ones among these findings without the truth among their candidates.
     lost : tuple of str
         Findings of the record itself that are no longer there.
     ratio : float
@@ -51,9 +52,9 @@ class Outcome:
 
     injection: Injection
     found: bool = False
-    named: bool = False
+    identified: bool = False
     first: bool = False
-    told: tuple[str, ...] = ()
+    reported: tuple[str, ...] = ()
     wrong: tuple[str, ...] = ()
     misled: tuple[str, ...] = ()
     lost: tuple[str, ...] = ()
@@ -62,6 +63,19 @@ class Outcome:
     in_range: AnyFloat = np.nan
     half_range: AnyFloat = np.nan
     refused: str = ""
+    renamed_in_file: ClassVar = {"named": "identified", "told": "reported"}
+
+    @property
+    def named(self) -> bool:
+        """The former name of ``identified``."""
+        warn_of_new_name("Outcome.named", "identified")
+        return self.identified
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """The former name of ``reported``."""
+        warn_of_new_name("Outcome.told", "reported")
+        return self.reported
 
 
 def recovered(
@@ -101,13 +115,13 @@ def judged(injection: Injection, effect: Effect, loop: Any, baseline: tuple) -> 
     added = [f for f in loop.finding_objects if f.added]
     effects = {e.name: e for e in loop.fit.effects}
     days = np.unique(loop.fit.record.dates)
-    # effects of the baseline are never injected, so a class with the injected effect
-    # counts as found, even if it also holds an effect of the baseline
+    # effects of the baseline are never injected, so an ambiguous finding with the
+    # injected effect counts as found, even if it also has an effect of the baseline
     right = [f for f in added if holds(f, effect, effects, days)]
     new = [f for f in added if f in right or not any(same(f, one) for one in before)]
     others = [f for f in new if effect.name not in f.candidates]
     names = [f.effect for f in others if f.verdict is Verdict.IDENTIFIED]
-    classes = [words(f) for f in others if f.verdict is Verdict.AMBIGUOUS]
+    sets = [words(f) for f in others if f.verdict is Verdict.AMBIGUOUS]
     lost = [words(f) for f in before if not any(same(f, other) for other in added)]
     sizes = {}
     if right and right[0].effect == effect.name:
@@ -115,11 +129,11 @@ def judged(injection: Injection, effect: Effect, loop: Any, baseline: tuple) -> 
     return Outcome(
         injection,
         found=bool(right),
-        named=any(f.verdict is Verdict.IDENTIFIED for f in right),
+        identified=any(f.verdict is Verdict.IDENTIFIED for f in right),
         first=bool(right) and right[0] is new[0],
-        told=tuple(", ".join(filter(None, (words(f), f.place))) for f in new),
+        reported=tuple(", ".join(filter(None, (words(f), f.place))) for f in new),
         wrong=tuple(names),
-        misled=tuple(classes),
+        misled=tuple(sets),
         lost=tuple(lost),
         **sizes,
     )

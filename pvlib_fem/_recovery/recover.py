@@ -155,8 +155,8 @@ def recover_effects(
 
     Everything else remains true and is not counted: the model, the bias, longwave
     exchange, functions of irradiance, air, wind and sun. If ``f`` of ``n`` records that
-    have lost an effect name it, its reliability is ``1 - f / n`` [2]_. In a false class
-    all effects are lost.
+    have lost an effect name it, its reliability is ``1 - f / n`` [2]_. A false set of
+    causes has lost effects alone.
 
     References
     ----------

@@ -74,11 +74,12 @@ class Recovery:
         their ``size``, the size from which it should be found (``predicted``), the
         ratio of both (``multiple``), and the estimate in the record itself (``own``).
 
-        Columns of the outcome: whether it is ``found`` by name or in a class (a fault
-        also on about its days), ``named``, and the ``first`` finding that the record
-        itself does not show; all such findings (``told``), ``wrong`` names among them,
-        classes without the truth (``misled``), and findings of the record itself that
-        are ``lost``; the ``ratio`` of coefficient and truth, whether the truth is
+        Columns of the outcome: whether it is ``found`` among the candidates of a
+        finding (a fault also on about its days), ``identified``, and the ``first``
+        finding that the record itself does not show; all such findings
+        (``reported``), ``wrong`` causes that are identified among them, ambiguous ones
+        without the truth (``misled``), and findings of the record itself that are
+        ``lost``; the ``ratio`` of coefficient and truth, whether the truth is
         ``covered`` by 1.96 standard errors and within the range (``in_range``), and
         half the width of the range relative to the truth (``half_range``), NaN if it
         is not in the model; and why the loop ``refused`` the record.
@@ -100,10 +101,10 @@ class Recovery:
         A row for each effect and multiple of the predicted size.
 
         ``injections``; shares ``found`` at all, ``first``, with a wrong name
-        (``wrong``), with a class without the truth (``misled``), with a finding of
-        the record itself that is no longer there (``lost``), and ``refused``; median
-        ``ratio`` of coefficient and truth, and the shares ``covered`` by its error of
-        95 % and within its range (``in_range``).
+        (``wrong``), with an ambiguous finding without the truth (``misled``), with a
+        finding of the record itself that is no longer there (``lost``), and
+        ``refused``; median ``ratio`` of coefficient and truth, and the shares
+        ``covered`` by its error of 95 % and within its range (``in_range``).
         """
         table = self.table
         for name in COLUMNS[2:]:
@@ -147,9 +148,9 @@ class Recovery:
         """
         Completeness and reliability, a row for each effect.
 
-        ``named`` is whether the record itself has it named. ``injections`` is the
-        number of injections of at least 1.5 times the predicted size, ``found`` how
-        many of these are found, and ``completeness`` the ratio. ``trials`` is the
+        ``identified`` is whether it is identified in the record itself. ``injections``
+        is the number of injections of at least 1.5 times the predicted size, ``found``
+        how many of these are found, and ``completeness`` the ratio. ``trials`` is the
         number of scrambled records that have lost the effect, ``false`` how many name
         it, and ``reliability`` the share of the others. Each share has a 90 % interval
         by Jeffreys' prior (``complete_from``, ``complete_to``, ``reliable_from``,

@@ -87,23 +87,23 @@ def in_scrambled(recovery: Any) -> Iterator:
         yield f"{len(trials)} scrambled records of {recovery.planned_trials} planned"
     for kind, title in KINDS.items():
         mine = [t for t in trials if t.kind == kind and not t.refused]
-        names = [name for trial in mine for name in trial.named]
+        names = [name for trial in mine for name in trial.identified]
         words = f" ({', '.join(sorted({*names}))})" if names else ""
-        classes = sum(len(trial.classes) for trial in mine)
+        sets = sum(len(trial.ambiguous) for trial in mine)
         if mine:
-            false = f"{len(names)} false names{words}, {classes} false classes"
+            false = f"{len(names)} false names{words}, {sets} false sets of causes"
             yield f"in {len(mine)} records with {title}: {false}"
     if refused := [trial.refused for trial in trials if trial.refused]:
         yield f"refused by the loop: {len(refused)}, first: {refused[0]}"
     mean, (low, high) = false_names(trials)
-    there = int((rates["named"] & (rates["trials"] > 0)).sum())
+    there = int((rates["identified"] & (rates["trials"] > 0)).sum())
     yield f"false names expected in a record: {mean:.2f} ({low:.2f} to {high:.2f})"
     if there:
         parts = (max(0.0, 100.0 * (1.0 - n / there)) for n in (mean, high, low))
         share = "{:.0f} % ({:.0f} % to {:.0f} %)".format(*parts)
         yield f"of this record's names, {there} that could be false: {share} are true"
     yield ""
-    rows = [("effect", "completeness", "reliability", "named in the record")]
+    rows = [("effect", "completeness", "reliability", "identified in the record")]
     for name, row in rates.iterrows():
         found = (row["found"], row["injections"], row["complete_from"])
         right = (row["trials"] - row["false"], row["trials"], row["reliable_from"])
@@ -112,7 +112,7 @@ def in_scrambled(recovery: Any) -> Iterator:
                 str(name),
                 interval(*found, row["complete_to"]),
                 interval(*right, row["reliable_to"]),
-                "yes" if row["named"] else "no",
+                "yes" if row["identified"] else "no",
             )
         )
     yield from aligned(rows)
@@ -139,7 +139,8 @@ def in_all(table: pd.DataFrame) -> Iterator:
     found = counted(clear["found"])
     yield f"found from {CLEARLY:g} × the predicted size on: {found}"
     yield f"with a wrong name: {counted(table['wrong'].map(bool))}{words}"
-    yield f"with a class without the truth: {counted(table['misled'].map(bool))}"
+    misled = counted(table["misled"].map(bool))
+    yield f"with an ambiguous finding without the true cause: {misled}"
     if refused := [why for why in table["refused"] if why]:
         yield f"refused by the loop: {len(refused)}, first: {refused[0]}"
 

@@ -2,17 +2,18 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pandas as pd
 
 from pvlib_fem._findings import Verdict
 from pvlib_fem._loop.close import close_loop
+from pvlib_fem._renamed_effects import warn_of_new_name
 from pvlib_fem._statistics.jeffreys import rate_between, share_between
 
 CLEARLY = 1.5  # multiple of the predicted size from which nearly all should be found
-COLUMNS = ("named", "injections", "found", "completeness", "complete_from")
+COLUMNS = ("identified", "injections", "found", "completeness", "complete_from")
 COLUMNS += ("complete_to", "trials", "false", "reliability", "reliable_from")
 COLUMNS += ("reliable_to",)
 COUNTS = ("injections", "found", "trials", "false")
@@ -33,8 +34,9 @@ class Trial:
         Description of the scrambling.
     lost : tuple of str
         Effects that the record has lost; their names are false.
-    named, classes : tuple of str
-        Lost effects that are named; and classes of which each member is lost.
+    identified, ambiguous : tuple of str
+        Lost effects that are identified; and ambiguous findings of which each
+        candidate is lost.
     refused : str
         Why the loop refused the record; empty if it did not.
     """
@@ -43,9 +45,22 @@ class Trial:
     number: int
     what: str
     lost: tuple[str, ...]
-    named: tuple[str, ...] = ()
-    classes: tuple[str, ...] = ()
+    identified: tuple[str, ...] = ()
+    ambiguous: tuple[str, ...] = ()
     refused: str = ""
+    renamed_in_file: ClassVar = {"named": "identified", "classes": "ambiguous"}
+
+    @property
+    def named(self) -> tuple[str, ...]:
+        """The former name of ``identified``."""
+        warn_of_new_name("Trial.named", "identified")
+        return self.identified
+
+    @property
+    def classes(self) -> tuple[str, ...]:
+        """The former name of ``ambiguous``."""
+        warn_of_new_name("Trial.classes", "ambiguous")
+        return self.ambiguous
 
     @property
     def key(self) -> tuple[str, int]:
@@ -85,11 +100,11 @@ def trial_of(scrambler: Any, how: dict, seed: int, kind: Any, number: Any) -> An
 
 
 def false_of(findings: Sequence, lost: Any) -> Any:
-    """Named effects that are lost, and classes of lost effects only."""
+    """Identified effects that are lost, and ambiguous findings of lost ones only."""
     added = [f for f in findings if f.added and {*f.candidates} <= lost]
-    named = tuple(f.effect for f in added if f.verdict is Verdict.IDENTIFIED)
-    classes = [f.candidates for f in added if f.verdict is Verdict.AMBIGUOUS]
-    return named, tuple(" | ".join(members) for members in classes)
+    names = tuple(f.effect for f in added if f.verdict is Verdict.IDENTIFIED)
+    sets = [f.candidates for f in added if f.verdict is Verdict.AMBIGUOUS]
+    return names, tuple(" | ".join(members) for members in sets)
 
 
 def false_names(trials: Any) -> Any:
@@ -111,7 +126,7 @@ def false_names(trials: Any) -> Any:
     counts, rows = [], []
     for kind in dict.fromkeys(trial.kind for trial in trials):
         mine = [t for t in trials if t.kind == kind and not t.refused]
-        counts.append(sum(len(trial.named) for trial in mine))
+        counts.append(sum(len(trial.identified) for trial in mine))
         rows.append(len(mine))
     if not rows or not min(rows):
         return np.nan, (0.0, np.inf)
@@ -137,7 +152,7 @@ def rates(outcomes: Any, trials: Any, baseline: tuple) -> Any:
     pandas.DataFrame, shape (effects, 11)
         See :attr:`Recovery.reliability`.
     """
-    named = {f.effect for f in baseline if f.added and f.verdict is Verdict.IDENTIFIED}
+    sure = {f.effect for f in baseline if f.added and f.verdict is Verdict.IDENTIFIED}
     done = [trial for trial in trials if not trial.refused]
     lost = [name for trial in done for name in trial.lost]
     table = pd.DataFrame(columns=[*COLUMNS]).rename_axis("effect")
@@ -148,16 +163,16 @@ def rates(outcomes: Any, trials: Any, baseline: tuple) -> Any:
             if one.injection.effect == name and one.injection.multiple >= CLEARLY
         ]
         mine = [trial for trial in done if name in trial.lost]
-        false = sum(name in trial.named for trial in mine)
+        false = sum(name in trial.identified for trial in mine)
         right = len(mine) - false
         table.loc[name] = (
-            name in named,
+            name in sure,
             *shares(sum(clear), len(clear)),
             len(mine),
             false,
             *shares(right, len(mine))[2:],
         )
-    kinds = dict.fromkeys(COLUMNS, float) | {"named": bool}
+    kinds = dict.fromkeys(COLUMNS, float) | {"identified": bool}
     return table.astype(kinds | dict.fromkeys(COUNTS, int))
 
 

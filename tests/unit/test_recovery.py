@@ -142,7 +142,7 @@ def test_a_class_that_holds_what_was_put_in_is_of_it(record, done):
     # what does not hold it is the record's own
     own = SimpleNamespace(finding_objects=(other,), fit=fit)
     found = judged(step, effect, own, baseline=(other,))
-    assert not found.found and not found.told and not found.lost
+    assert not found.found and not found.reported and not found.lost
 
 
 def finding(name, *others, place=""):

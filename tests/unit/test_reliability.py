@@ -215,7 +215,7 @@ def test_reliability_is_the_share_of_trials_without_a_false_name():
     found = Recovery({}, "0", "a", baseline=(named,), trials=trials, planned_trials=15)
     rows = found.reliability
     assert rows.loc["rain", ["trials", "false", "reliability"]].tolist() == [4, 1, 0.75]
-    assert rows["named"].tolist() == [True, False]
+    assert rows["identified"].tolist() == [True, False]
     assert rows.loc["module_sensor_contact_step", "reliability"] == 1.0
     assert (
         rows.loc["module_sensor_contact_step", "reliable_from"]
@@ -274,7 +274,7 @@ def test_a_file_has_the_trials_and_the_rest_is_done_another_time(record, tmp_pat
     assert Recovery.from_json(path).to_json() == first.to_json()
     assert "in 1 records with dates scrambled: 0 false names" in str(first)
     assert "reliable_from" in first._repr_html_()
-    assert not {name for one in first.trials for name in one.named}
+    assert not {name for one in first.trials for name in one.identified}
     # the dates are lost; the file has the drivers
     replace(first, trials=first.trials[:1]).to_json(path)
     short = Recovery.from_json(path)

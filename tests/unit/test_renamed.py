@@ -18,6 +18,9 @@ from pvlib_fem._record.guess import guess
 from pvlib_fem._record.layout import Layout
 from pvlib_fem._record.logger_files import read_file
 from pvlib_fem._record.parquet import open_parquet
+from pvlib_fem._recovery.draw import Injection
+from pvlib_fem._recovery.judge import Outcome
+from pvlib_fem._recovery.trial import Trial
 from pvlib_fem._renamed_effects import in_new_names
 from pvlib_fem._stored import Stored, plain
 from pvlib_fem.effects import CHANGES, find
@@ -266,3 +269,22 @@ def test_a_file_with_old_verdicts_is_read(tmp_path):
     old.write_text(text, "utf-8")
     again = fem.Loop.from_json(old)
     pd.testing.assert_frame_equal(again.findings, loop.findings)
+
+
+def test_outcomes_and_trials_have_their_old_names_until_the_next_release():
+    injection = Injection("snow", 0, {}, {"snow.cover": 0.1}, 0.1, 0.1, 0.0)
+    outcome = Outcome(injection, True, identified=True, reported=("snow",))
+    trial = Trial("dates", 0, "weeks", ("snow",), ("snow",), ("snow | rain",))
+    with pytest.warns(FutureWarning, match="is called"):
+        assert outcome.named and outcome.told == ("snow",)
+        assert (trial.named, trial.classes) == (("snow",), ("snow | rain",))
+    for one, names in (
+        (outcome, {"identified": "named", "reported": "told"}),
+        (trial, {"identified": "named", "ambiguous": "classes"}),
+    ):
+        content = plain(one)
+        old = {names.get(key, key): value for key, value in content.items()}
+        assert {*names.values()} <= {*old}
+        with pytest.warns(FutureWarning, match="is called"):
+            again = Stored(old, "old.json").whole(type(one))
+        assert plain(again) == content
