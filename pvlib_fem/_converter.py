@@ -160,7 +160,7 @@ def names_in_file(kind: Any) -> Iterable[str]:
 def in_new_keys(value: dict[str, Any], kind: Any) -> dict[str, Any]:
     """An object of a file with the present names of the fields of a class."""
     renamed = getattr(kind, "renamed_in_file", {})
-    for old in renamed.keys() & value.keys():
+    for old in (name for name in renamed if name in value):
         warn_of_new_name(f"{kind.__name__}.{old}", renamed[old])
     return {renamed.get(key, key): part for key, part in value.items()}
 

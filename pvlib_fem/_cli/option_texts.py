@@ -8,8 +8,8 @@ from typing import Any
 import click
 import pandas as pd
 
-from pvlib_fem._record.column_names import ROTATION, in_new_names, is_cross_check
-from pvlib_fem._record.header_units import QUANTITIES, unit_of
+from pvlib_fem._record.column_names import ROTATION, in_new_names
+from pvlib_fem._record.header_units import QUANTITIES, unit_of, usual_name_of
 from pvlib_fem._record.layout import Layout
 from pvlib_fem._spelling import did_you_mean
 from pvlib_fem.drivers._mounts import ANGLES, TRACKER as TRACKED
@@ -89,7 +89,7 @@ def columns_of(renames: Iterable[str]) -> dict[str, str]:
         if name == "time":
             why = f"are the times: give --time {column!r}"
             raise bad(f"time={column}", "--map", why)
-        if name not in NAMED and not is_cross_check(name):
+        if name not in NAMED and usual_name_of(name) is None:
             why = (
                 f"is none of {', '.join(NAMED)}"
                 f"{did_you_mean(name, NAMED)}, nor a cross-check of an "

@@ -67,7 +67,8 @@ SERVED = ("temp_air", "wind_speed")  # for which a second source can stand in
 PLANT_POWER = ("power_dc", "power_ac")
 #: names of power, and of a second sensor
 POWER = re.compile(r"(power|p)_(ac|dc|mp|mpp)(_\w+)?|power(_\w+)?")
-REAR = "poa_rear"  # light on the other side, and no second sensor of the front
+#: light in the plane that is no second sensor of all light on the front
+OTHER_LIGHT = re.compile(r"poa_(rear|direct|beam|diffuse|(sky|ground)_diffuse)(_\w+)?")
 TWIN = re.compile(r"(poa|poa_global|temp_air|wind_speed|temp_module)_\w+")
 
 
@@ -84,13 +85,33 @@ def twin_of(name: Hashable) -> Any:
     -------
     str or None
         Such as ``"temp_module"`` of ``"temp_module_2"``; None of any other name, of the
-        usual columns themselves, ``poa_rear`` and names that end with ``_original``.
+        usual columns themselves, of ``poa_rear`` and parts of the light such as
+        ``poa_diffuse``, and of names that end with ``_original``.
     """
     found = TWIN.fullmatch(str(name))
-    own = name in (*COLUMNS, REAR)
+    own = name in COLUMNS or is_other_light(name)
     if found is None or own or str(name).endswith(ORIGINAL):
         return None
     return "poa_global" if found[1] == "poa" else found[1]
+
+
+def is_other_light(name: Hashable) -> bool:
+    """
+    Whether a column is a part of the light in the plane, or light on the rear side.
+
+    Parameters
+    ----------
+    name : hashable
+        Label of a column.
+
+    Returns
+    -------
+    bool
+        True for ``poa_rear_2`` or ``poa_diffuse``; False if the name ends with
+        ``_original``.
+    """
+    text = str(name)
+    return OTHER_LIGHT.fullmatch(text) is not None and not text.endswith(ORIGINAL)
 
 
 def is_power(name: str) -> bool:

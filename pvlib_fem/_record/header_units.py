@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from scipy import constants
 
-from pvlib_fem._record.column_names import is_power, twin_of
+from pvlib_fem._record.column_names import is_other_light, is_power, twin_of
 from pvlib_fem._record.ranges import as_codes, possible
 from pvlib_fem._spelling import ShellText, did_you_mean, refusal
 
@@ -129,7 +129,7 @@ class SwappedTemperatures(ValueError):
         self.why = why
 
 
-def usual_name_of(name: str) -> str:
+def usual_name_of(name: str) -> str | None:
     """
     The column of :data:`QUANTITIES` whose units a column has.
 
@@ -145,12 +145,14 @@ def usual_name_of(name: str) -> str:
     """
     if name in QUANTITIES:
         return name
+    if is_other_light(name):
+        return "poa_global"
     return "power_ac" if is_power(name) else twin_of(name)
 
 
 def units_of(name: str) -> dict:
     """Units that a column can have, with factors and offsets; the package's first."""
-    return UNITS[QUANTITIES[usual_name_of(name)]]
+    return UNITS[QUANTITIES[usual_name_of(name) or name]]
 
 
 def of_any_unit(name: str) -> tuple[float, float]:
@@ -292,7 +294,7 @@ def converted(
     ValueError
         If the column cannot be in that unit, or the area is needed and not given.
     """
-    unit, name = unit_of(name, unit), usual_name_of(name)
+    unit, name = unit_of(name, unit), usual_name_of(name) or name
     factor, offset = units_of(name)[unit]
     if unit in AMOUNTS.get(QUANTITIES[name], ()):
         factor /= hours

@@ -315,6 +315,11 @@ def workbook(file: Any, **how: Any) -> pd.DataFrame:
 
 def text(file: Path, layout: Any, **how: Any) -> pd.DataFrame:
     """A CSV file; what makes it no table says which option may."""
+    if len(layout.decimal) != 1 or not layout.decimal.isascii():
+        raise ValueError(
+            f"--decimal {layout.decimal!r}: the decimal sign of {file.name} has to be "
+            "one sign of ASCII; the usual ones are '.' and ','"
+        )
     how |= {"sep": layout.sep, "decimal": layout.decimal, "encoding": layout.encoding}
     how |= {"skipinitialspace": True, "low_memory": False}
     try:

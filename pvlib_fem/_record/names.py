@@ -6,8 +6,8 @@ from typing import Any
 
 import pandas as pd
 
-from pvlib_fem._record.column_names import ALIASES, COLUMNS, GEOMETRY, is_cross_check
-from pvlib_fem._record.header_units import QUANTITIES
+from pvlib_fem._record.column_names import ALIASES, COLUMNS, GEOMETRY
+from pvlib_fem._record.header_units import QUANTITIES, usual_name_of
 
 #: column: names that loggers have for it, the surest first
 NAMES = {
@@ -186,7 +186,7 @@ def is_own(column: str) -> bool:
     bool
         True also for names of second sensors, of power and of angles of the sun.
     """
-    return column in (*QUANTITIES, *ALIASES, *GEOMETRY) or is_cross_check(column)
+    return column in (*ALIASES, *GEOMETRY) or usual_name_of(column) is not None
 
 
 def unmapped(columns: dict) -> dict:

@@ -7,11 +7,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-#: decimal sign: what a number looks like, and what may stand between its thousands
-NUMBERS = {
-    ".": re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"),
-    ",": re.compile(r"[+-]?(\d+,?\d*|,\d+)([eE][+-]?\d+)?"),
-}
+
+def form_of(decimal: str) -> re.Pattern:
+    """The form of a number with that decimal sign and none between its thousands."""
+    sign = re.escape(decimal)
+    return re.compile(rf"[+-]?(\d+({sign})?\d*|{sign}\d+)([eE][+-]?\d+)?")
+
+
+#: usual decimal signs: what a number looks like, and what may stand between thousands
+NUMBERS = {sign: form_of(sign) for sign in ".,"}
 SIGNS = {".": (",", " ", "'"), ",": (".", " ", "'")}
 WITH_UNIT = re.compile(r"[+-]?\d+(?:[.,]\d+)?(\s*[^\d\s.,:/-][^\d]{0,8}\d?)")
 MOSTLY = 0.5  # share of a column's cells that are plain numbers, where some are marked
@@ -45,14 +49,14 @@ def ungrouped(column: Any, thousands: Any, decimal: str) -> Any:
     Series
         Of float if all cells are numbers or missing.
     """
-    form, usual = grouped(thousands, decimal), NUMBERS.get(decimal)
+    form, usual = grouped(thousands, decimal), form_of(decimal)
 
     def number(cell: str) -> Any:
         bare = cell.strip() if isinstance(cell, str) else ""
         if form.fullmatch(bare):
             whole, _, rest = bare.partition(decimal)
             return float(re.sub(r"[^\d+-]", "", whole) + "." + rest)
-        if usual is not None and usual.fullmatch(bare):
+        if usual.fullmatch(bare):
             return float(bare.replace(decimal, "."))
         return cell
 
@@ -76,7 +80,7 @@ def unmarked(column: Any, marks: Any, decimal: str) -> Any:
     Series
         Marked numbers are NaN, others are numbers, and further text stays.
     """
-    usual = NUMBERS.get(decimal, NUMBERS["."])
+    usual = form_of(decimal)
 
     def number(cell: str) -> Any:
         bare = cell.strip() if isinstance(cell, str) else ""
@@ -97,14 +101,14 @@ def marks_of(texts: list, decimal: str) -> tuple:
     texts : list of Series
         Columns of text.
     decimal : str
-        ``"."`` or ``","``.
+        Decimal sign.
 
     Returns
     -------
     tuple of str
         One or two characters each; empty with none, or more than five.
     """
-    usual, found = NUMBERS[decimal], {}
+    usual, found = form_of(decimal), {}
     for column in texts:
         some = strings(column).str.strip()
         plain = some.map(usual.fullmatch).notna()

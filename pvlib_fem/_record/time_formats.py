@@ -55,10 +55,12 @@ def zones_of(column: Any) -> Any:
         The most usual first, only those that have all letters of the column if any has;
         empty where no letters are of several zones.
     """
-    found = {last_letters(text) for text in column.astype(str).unique()}
+    # in the order of the column, so that each run has the same zones
+    found = dict.fromkeys(map(last_letters, column.astype(str).unique()))
+    found.pop("", None)  # of a cell without letters
     zones = [SEVERAL[letters] for letters in found if letters in SEVERAL]
     # of two in one file, such as CST and CDT, the zone that has both
-    if zones and (fitting := [z for z in zones[0] if found <= {*names_of(z)}]):
+    if zones and (fitting := [z for z in zones[0] if {*found} <= {*names_of(z)}]):
         return fitting
     return list(zones[0]) if zones else []
 

@@ -17,7 +17,7 @@ from pvlib_fem._record.column_names import (
     twin_of,
 )
 from pvlib_fem._record.inputs import Inputs, read
-from pvlib_fem._record.ranges import possible
+from pvlib_fem._record.ranges import range_of
 from pvlib_fem._relaxation import usual_step
 from pvlib_fem._spelling import argument, refusal
 from pvlib_fem._thermal.compiled import answered, fast
@@ -529,7 +529,7 @@ def as_in_a_fit(inputs: Any) -> Inputs:
     for name, values in inputs.columns.items():
         outside = out_of_range(name, values)
         if outside.any():
-            at, unit = int(np.argmax(outside)), possible(name)[2]
+            at, unit = int(np.argmax(outside)), range_of(name).unit
             said.append(
                 f"{name} holds {outside.sum()} values that cannot be, first "
                 f"{values[at]:g} {unit} at {at_time(inputs.index, at)}"

@@ -4,10 +4,11 @@ from functools import partial
 
 import numpy as np
 
+from pvlib_fem._record.column_names import is_other_light
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
 
 #: the same sunlight in other planes: no independent cause
-IRRADIANCES = ("ghi", "dni", "dhi", "poa_direct", "poa_diffuse")
+IRRADIANCES = ("ghi", "dni", "dhi")
 
 
 def follows(values: np.ndarray, *, heat: float, mean: float) -> Terms:
@@ -38,7 +39,7 @@ def of_column(column: str, mean: float, most: float) -> Effect:
         {"heat": Parameter(0.0, -most, most, f"W/m² per unit of {column}")},
         columns=(column,),
         column=column,
-        confounder=column in IRRADIANCES,
+        confounder=column in IRRADIANCES or is_other_light(column),
         decided_by=f"what {column} stands for",
         settings={"column": column, "mean": mean, "most": most},
     )

@@ -13,6 +13,7 @@ from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.months import in_english
 from pvlib_fem._record.names import usual_name
 from pvlib_fem._record.numbers import marks_of
+from pvlib_fem._record.time_formats import zones_of
 
 HOUR, DAY = pd.Timedelta(hours=1), pd.Timedelta(days=1)
 SPANISH = {5: "may"}
@@ -211,6 +212,38 @@ def test_units_and_words_are_no_marks():
     assert marks_of([column], ".") == ("*", "?")
     assert marks_of([column + " °C"], ".") == ()
     assert marks_of([pd.Series(["1", "2", "calm", "3*"])], ".") == ()
+    assert marks_of([column.str.replace(".", "·")], "·") == ("*", "?")
+
+
+@pytest.mark.parametrize("name", ["poa_direct", "poa_diffuse", "poa_rear_2"])
+def test_parts_of_the_light_have_a_unit_and_check_nothing(name, tmp_path):
+    data = simulator.record(days=40, step=3600)[list(COLUMNS)]
+    path = tmp_path / "plant.csv"
+    part = 0.0003 * data["poa_global"] * (1.0 + np.arange(len(data)) % 3)
+    data.assign(**{f"{name} (kW/m²)": part}).to_csv(path, index_label="time")
+    how = {"columns": {name: f"{name} (kW/m²)"}, "convert_units": True}
+    read = fem.read_file(path, **how)
+    np.testing.assert_allclose(read[name], 1000.0 * part, rtol=1e-9)
+    assert not any("cross-check" in note for note in fem.close_loop(read).notes)
+    asked = call("screen", path, "--map", f"{name}={name} (kW/m²)", "--convert")
+    assert asked.exit_code == 0, asked.output
+
+
+@pytest.mark.parametrize("sign", ["", "·", "::"])
+def test_a_decimal_sign_that_cannot_be_read_is_refused(sign, tmp_path):
+    path = tmp_path / "plant.csv"
+    simulator.record(days=1, step=3600)[list(COLUMNS)].to_csv(path, index_label="time")
+    with pytest.raises(ValueError, match=rf"--decimal '{sign}'.*one sign of ASCII"):
+        fem.read_file(path, decimal=sign)
+
+
+def test_letters_of_two_zones_are_of_the_first_in_the_file():
+    both = pd.Series(["1 May 2023 10:00 IST", "1 May 2023 10:05 CST"])
+    assert zones_of(both) == ["Asia/Kolkata", "Europe/Dublin", "Asia/Jerusalem"]
+    assert zones_of(both[::-1]) == ["America/Chicago", "Asia/Shanghai"]
+    # an empty cell has no letters, and is of any zone
+    irish = pd.Series(["1 May 2023 10:00 IST", "", "1 Jan 2023 10:00 GMT"])
+    assert zones_of(irish) == ["Europe/Dublin"]
 
 
 @pytest.mark.parametrize(
