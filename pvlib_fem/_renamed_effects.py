@@ -1,11 +1,15 @@
-"""Names of sensor faults, verdicts and results that have changed, for one release."""
+"""Names of effects, verdicts, results and thresholds that have changed."""
 
 import re
 import sys
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, cast
+
+F = TypeVar("F", bound=Callable)
+T = TypeVar("T", bound=type)
 
 RENAMED = {
     "sensitivity": "irradiance_sensor",
@@ -90,6 +94,71 @@ def keys_in_new_names(named: Mapping[str, Any]) -> dict[str, Any]:
         If it has an old name.
     """
     return {in_new_names(name): value for name, value in named.items()}
+
+
+def arguments_in_new_names(renamed: Mapping[str, str]) -> Callable[[F], F]:
+    """
+    Make a decorator of a function whose keyword arguments have new names.
+
+    Parameters
+    ----------
+    renamed : mapping of str
+        The present name of each former argument, which works and warns.
+
+    Returns
+    -------
+    callable
+        Decorator.
+    """
+
+    def decorator(function: F) -> F:
+        @wraps(function)
+        def with_new_names(*args: Any, **kwargs: Any) -> Any:
+            for old in renamed.keys() & kwargs.keys():
+                new = renamed[old]
+                if new in kwargs:
+                    raise TypeError(f"{old} is called {new} now; give one of them")
+                warn_of_new_name(f"the argument {old}", new)
+                kwargs[new] = kwargs.pop(old)
+            return function(*args, **kwargs)
+
+        return cast(F, with_new_names)
+
+    return decorator
+
+
+def fields_in_new_names(renamed: Mapping[str, str]) -> Callable[[T], T]:
+    """
+    Make a decorator of a dataclass whose fields have new names.
+
+    Parameters
+    ----------
+    renamed : mapping of str
+        The present name of each former field, which can be given, and read from objects
+        and files, with a warning.
+
+    Returns
+    -------
+    callable
+        Decorator.
+    """
+
+    def decorator(kind: T) -> T:
+        def former(old: str) -> property:
+            def value(self: Any) -> Any:
+                warn_of_new_name(f"{kind.__name__}.{old}", renamed[old])
+                return getattr(self, renamed[old])
+
+            return property(value, doc=f"The former name of ``{renamed[old]}``.")
+
+        as_made: Any = kind
+        as_made.__init__ = arguments_in_new_names(renamed)(as_made.__init__)
+        as_made.renamed_in_file = dict(renamed)
+        for old in renamed:
+            setattr(kind, old, former(old))
+        return kind
+
+    return decorator
 
 
 def warn_of_new_name(old: str, new: str) -> None:

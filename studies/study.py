@@ -41,7 +41,7 @@ from study_worlds import (
 from pvlib_fem import Criteria
 from pvlib_fem._parallel import spread
 
-ENOUGH_DAYS = Criteria().enough_days
+ENOUGH_DAYS = Criteria().min_days
 RISE = 0.02  # K by which the error of test weeks may lie above that before
 
 

@@ -11,7 +11,7 @@ from pvlib_fem._budget.unusual_days import episodes
 from pvlib_fem._record.column_names import DAYLIGHT
 from pvlib_fem.simulator import PHYSICS
 
-CHANCE = fem.Criteria().episode_chance
+CHANCE = fem.Criteria().max_episode_chance
 DAYS = (60, 120, 365, 2900)
 #: memory from day to day and law of what is new each day
 NOISES = {

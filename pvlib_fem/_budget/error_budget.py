@@ -58,7 +58,9 @@ def episodes_of(case: Any, step: Any) -> pd.DataFrame:
     residual, dates = residual[rows], case.whole.dates[rows]
     sunny = case.whole["poa_global"][rows] > DAYLIGHT
     total, found = residual @ residual, []
-    for first, last in episodes(residual, dates, sunny, case.criteria.episode_chance):
+    for first, last in episodes(
+        residual, dates, sunny, case.criteria.max_episode_chance
+    ):
         within = (dates >= first) & (dates <= last)
         mine = residual[within]
         found.append(

@@ -20,7 +20,7 @@ from pvlib_fem._cli.headings import (
 )
 from pvlib_fem._cli.model_options import (
     fit_options,
-    min_gain_option,
+    min_rmse_reduction_option,
     model_option,
     shared_options,
     site_options,
@@ -127,7 +127,7 @@ def fit(
 @stand_in_option
 @model_option("faiman", "fit takes the paper's wm1 by default")
 @shared_options
-@min_gain_option
+@min_rmse_reduction_option
 @correction_options
 @ceiling_option
 @report_option
@@ -326,7 +326,7 @@ def fleet(
     report: Path | None,
     effects: tuple[str, ...],
     fix: tuple[str, ...],
-    min_gain: float | None,
+    min_rmse_reduction: float | None,
     **options: Any,
 ) -> None:
     """Close the loop on each of the SYSTEMS of a table, or fit them.
@@ -343,8 +343,8 @@ def fleet(
         check_outputs([systems], [out], report=report)
         options |= {"effects": effects_of(effects, {})} if effects else {}
         options |= {"fixed": held(fix)} if fix else {}
-        if min_gain is not None:
-            options["min_gain"] = min_gain
+        if min_rmse_reduction is not None:
+            options["min_rmse_reduction"] = min_rmse_reduction
         results = run_fleet(systems, out, **options)
         say(results)
         report_failures(results)

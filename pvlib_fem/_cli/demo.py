@@ -125,7 +125,7 @@ def demo_week() -> None:
         f"a measured week: {data.attrs['source']}\n\n{loop}\n\n"
         f"what {days} days can say: what memory and bias are worth, on days that the "
         f"fit has not seen\nwhat they cannot: the name of an effect, which takes "
-        f"{Criteria().enough_days} days and its driver"
+        f"{Criteria().min_days} days and its driver"
     )
 
 

@@ -54,8 +54,9 @@ fleet_options = added(
     effects_option,
     fix_option,
     effect(
+        "--min-rmse-reduction",
         "--min-gain",
         type=click.FloatRange(min=0),
-        help="Gain below which loop adds no effect [K].",
+        help="Reduction of the RMSE below which loop adds no effect [K].",
     ),
 )

@@ -93,12 +93,13 @@ shared_options = added(
     ),
     fix_option,
 )
-min_gain_option = effect(
+min_rmse_reduction_option = effect(
+    "--min-rmse-reduction",
     "--min-gain",
     type=click.FloatRange(min=0),
-    default=Criteria().min_gain,
+    default=Criteria().min_rmse_reduction,
     show_default=True,
-    help="Gain below which no effect is added [K].",
+    help="Reduction of the RMSE below which no effect is added [K].",
 )
 
 

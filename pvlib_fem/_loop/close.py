@@ -38,7 +38,7 @@ from pvlib_fem._loop.tangents import Evidence
 from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._record.column_names import printable, with_aliases
 from pvlib_fem._record.parquet import ParquetRecord, as_source, is_data_set
-from pvlib_fem._renamed_effects import keys_in_new_names
+from pvlib_fem._renamed_effects import arguments_in_new_names, keys_in_new_names
 from pvlib_fem._spelling import written_argument
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import SteadyModel, steady_model
@@ -57,6 +57,7 @@ LONGWAVE = "radiative_loss"  # of every module: in the base model, and no findin
 MOST_ROUNDS = 6  # of linearisations
 
 
+@arguments_in_new_names({"min_gain": "min_rmse_reduction"})
 def close_loop(
     data: pd.DataFrame | ParquetRecord | FilePath,
     model: str = "faiman",
@@ -64,7 +65,7 @@ def close_loop(
     surface_tilt: float | pd.Series | None = None,
     surface_azimuth: float | pd.Series | None = None,
     holdout: pd.Series | None = None,
-    min_gain: float | None = None,
+    min_rmse_reduction: float | None = None,
     effects: EffectLike | Iterable[EffectLike] | None = None,
     check_units: bool = True,
     criteria: Criteria | None = None,
@@ -82,9 +83,9 @@ def close_loop(
     effect of the catalogue, one column of the user's own, or one fault of an
     instrument from a date on. An effect is there where its gain on weeks left out in
     turn is material, its size is possible, and its probability is at least
-    ``criteria.probability``. Each has the probabilities of all candidates that would
-    explain the same, with that of a cause outside the catalogue among them. One
-    candidate with ``criteria.probability`` is *identified*; else the finding is
+    ``criteria.min_probability``. Each has the probabilities of all candidates that
+    would explain the same, with that of a cause outside the catalogue among them. One
+    candidate with ``criteria.min_probability`` is *identified*; else the finding is
     *ambiguous*, with the smallest set of candidates that has it together. The model is
     fitted with all of them and linearised anew until nothing changes. The *test*
     weeks, of which no decision sees the module's temperature, give the errors that are
@@ -115,9 +116,9 @@ def close_loop(
     holdout : Series of bool, optional
         The test rows, or days of a record in files. By default every fifth week, or
         every other day of a record below five weeks.
-    min_gain : float, optional
-        Short for ``criteria=Criteria(min_gain=...)``: gain below which nothing is
-        added to the model. [K]
+    min_rmse_reduction : float, optional
+        Short for ``criteria=Criteria(min_rmse_reduction=...)``: reduction of the RMSE
+        below which nothing is added to the model. [K]
     effects : str, Effect, or sequence of these, optional
         Effects to try; by default all, and the user's own columns.
     check_units : bool, default True
@@ -158,7 +159,7 @@ def close_loop(
     How it decides is in :doc:`/design`. Where a driver is missing, rows do not count
     for its effect; nothing is filled in.
 
-    Below ``criteria.enough_days`` no effect is added.
+    Below ``criteria.min_days`` no effect is added.
 
     If the fitting weeks show a standstill of a tracker that may begin or end in a test
     week, and there is no power, that week becomes a fitting week, except where
@@ -185,8 +186,8 @@ def close_loop(
     ['fitting', 'test']
     """
     criteria = criteria or Criteria()
-    if min_gain is not None:
-        criteria = replace(criteria, min_gain=min_gain)
+    if min_rmse_reduction is not None:
+        criteria = replace(criteria, min_rmse_reduction=min_rmse_reduction)
     place = checked_place(location, surface_tilt, surface_azimuth, mount)
     how: dict[str, Any] = dict(
         holdout=holdout, effects=effects, check_units=check_units

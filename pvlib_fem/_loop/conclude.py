@@ -66,7 +66,7 @@ def finding_of(
     for name, probability in order:
         credible.append(name)
         total += probability
-        if total >= limits.probability:
+        if total >= limits.min_probability:
             break
     names = (effect.name, *(n for n in credible if n not in (effect.name, OUTSIDE)))
     score, gain = choice.scores[effect.name], float(np.sqrt(choice.fall))
@@ -76,11 +76,11 @@ def finding_of(
     checks = [
         Check(
             "probability that it is there",
-            "probability",
+            "min_probability",
             score.probability,
-            limits.probability,
+            limits.min_probability,
         ),
-        Check("gain", "min_gain", gain, float(np.sqrt(floor)), unit="K"),
+        Check("gain", "min_rmse_reduction", gain, float(np.sqrt(floor)), unit="K"),
     ]
     if verdict is Verdict.AMBIGUOUS:
         measurements = deciding([choice.members[n].effect for n in names])
@@ -90,13 +90,19 @@ def finding_of(
     if outside > HALF:
         verdict, why = Verdict.HINT, because(Reason.OUTSIDE, chance=outside)
         checks.append(
-            Check("cause outside the catalogue", "outside", outside, HALF, most=True)
+            Check(
+                "cause outside the catalogue",
+                "outside_probability",
+                outside,
+                HALF,
+                most=True,
+            )
         )
     elif not case.enough:
-        days, least = case.days, limits.enough_days
+        days, least = case.days, limits.min_days
         verdict = Verdict.HINT
         why = because(Reason.TOO_SHORT, days=days, least=least)
-        checks.append(Check("days", "enough_days", days, least))
+        checks.append(Check("days", "min_days", days, least))
     if agree := [
         one.column
         for one in cross_checks
@@ -248,22 +254,22 @@ def hints(
     done = {name for finding in findings for name in finding.candidates}
     for name, row in sorted(rows.items(), key=lambda item: -item[1].gain):
         score = row.score
-        if name in done or row.gain < limits.hint_gain or not score.possible:
+        if name in done or row.gain < limits.min_hint_reduction or not score.possible:
             continue
         if score.probability < HALF:
             continue
         done |= {name, *row.ties}
         why = because(Reason.NOT_MATERIAL, least=least)
-        check = Check("gain", "min_gain", row.gain, least, unit="K")
+        check = Check("gain", "min_rmse_reduction", row.gain, least, unit="K")
         if check.passed:
-            sure = limits.probability
+            sure = limits.min_probability
             why = because(Reason.NOT_SURE, chance=score.probability, least=sure)
             name_of = "probability that it is there"
-            check = Check(name_of, "probability", score.probability, sure)
+            check = Check(name_of, "min_probability", score.probability, sure)
         if not case.enough:
-            days, enough = case.days, limits.enough_days
+            days, enough = case.days, limits.min_days
             why = because(Reason.TOO_SHORT, days=days, least=enough)
-            check = Check("days", "enough_days", days, enough)
+            check = Check("days", "min_days", days, enough)
         effect = row.effect
         yield Finding(
             name,
@@ -323,7 +329,7 @@ def not_seen(
             continue
         elif row.detectable > whole:
             yield name, because(Reason.COLLINEAR)
-        elif row.detectable > case.criteria.min_gain:
+        elif row.detectable > case.criteria.min_rmse_reduction:
             yield name, because(Reason.DETECTABLE, gain=row.detectable)
 
 

@@ -105,7 +105,7 @@ class Case:
     @property
     def enough(self) -> bool:
         """Whether the record is long enough for a name."""
-        return self.days >= self.criteria.enough_days
+        return self.days >= self.criteria.min_days
 
     def placed(self, record: Record) -> Record:
         """A record with the place of sun and module, where that is known."""

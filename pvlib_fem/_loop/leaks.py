@@ -79,7 +79,7 @@ def leaks(
         column = record[name]
         some = (np.isfinite(column) & ~asleep(column, record["poa_global"]))[rows]
         parts = (part[some] for part in (usual, whole, model, dates))
-        if is_one_piece(column[rows][some], *parts, most=criteria.leak):
+        if is_one_piece(column[rows][some], *parts, most=criteria.min_leak_difference):
             yield name
 
 

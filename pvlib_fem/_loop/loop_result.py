@@ -135,7 +135,7 @@ class Loop:
     patterns : tuple of Pattern
         Repeatable errors without a known cause, which ``predict``, ``residual`` and
         ``contributions`` have; ``fit`` and ``temperature_model`` have not. There are
-        none in a record of fewer than ``criteria.enough_days`` days.
+        none in a record of fewer than ``criteria.min_days`` days.
     """
 
     finding_objects: tuple[Finding, ...]

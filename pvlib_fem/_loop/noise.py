@@ -95,7 +95,7 @@ def with_outside(
     mine, outside = {}, 0.0
     for name, one in choice.members.items():
         weight = choice.weights[name] * times[name]
-        prior = prior_of(one.effect, criteria.outside)
+        prior = prior_of(one.effect, criteria.outside_probability)
         own = design.fit_for([one.effect])
         sizes = shares(own, one, given)
         rest = misfits(own, one, given, choice.fall)

@@ -38,7 +38,7 @@ def events_of(fits: "Fits", step: "Step") -> pd.DataFrame:
     DataFrame
     """
     case = fits.case
-    powers = [*plant_power(case.whole, case.criteria.max_missing)]
+    powers = [*plant_power(case.whole, case.criteria.max_missing_share)]
     if not powers or not case.enough:
         return event_table([])
     record, model = fits.prepared(case.whole, step.model)

@@ -146,7 +146,7 @@ def prepared(
         sun = {}
     measured = bool(sun) and look.filled.horizontal is None
     standings = standings_in(look.whole, site, late_of(look)) if measured else ()
-    power = plant_power(look.whole, criteria.max_missing)
+    power = plant_power(look.whole, criteria.max_missing_share)
     there, absent = {**look.drivers, **power, **sun}, look.whole.absent
     wanted, untestable = candidates(there, refused, effects, absent=absent)
     wanted, fixed_plane = turning(wanted, axis_of(site))
@@ -290,7 +290,9 @@ def looked(
     taken = (*DERIVED, *MODELLED)
     comparing = tuple(filter(is_cross_check, numeric(columns)))
     columns = {n: column for n, column in columns.items() if n not in comparing}
-    drivers, refused = usable_drivers(columns, hidden, criteria.max_missing, taken)
+    drivers, refused = usable_drivers(
+        columns, hidden, criteria.max_missing_share, taken
+    )
     hidden = hidden.only([*COLUMNS, *drivers, *comparing])
     light = filled.horizontal
     health = check(hidden, limits=limits, light=light, **filled.plane(site))

@@ -133,9 +133,7 @@ def ranked(
             float(detectable),
             evidence.known.get(one.name, len(evidence.rows)),
             ties(selection, one, tied, given, score),
-            hindrance(
-                one.effect, score, evidence, days, selection.criteria.enough_days
-            ),
+            hindrance(one.effect, score, evidence, days, selection.criteria.min_days),
         )
     return rows, failed
 
@@ -179,7 +177,7 @@ def ties(
     score: Score,
 ) -> tuple[str, ...]:
     """Other candidates that explain as much, given which it has little left."""
-    least = selection.criteria.hint_gain**2
+    least = selection.criteria.min_hint_reduction**2
     own = selection.in_sample(one, given)
     if not score.possible or own < least or score.probability < SEEN:
         return ()
@@ -311,8 +309,10 @@ def rank_effects(
     usual = with_columns(usual, numeric(columns))
     record, faults = screened(usual, criteria.limits, check_units=False)
     taken = (*DERIVED, *MODELLED)
-    drivers, refused = usable_drivers(columns, record, criteria.max_missing, taken)
-    drivers |= plant_power(record, criteria.max_missing)
+    drivers, refused = usable_drivers(
+        columns, record, criteria.max_missing_share, taken
+    )
+    drivers |= plant_power(record, criteria.max_missing_share)
     there = {effect.name for effect in fit.effects}
     sun = geometry(record.index, **place)
     known = {**drivers, **sun}
@@ -331,7 +331,7 @@ def rank_effects(
         rows |= {effect.name: {"note": few} for effect in testable}
     else:
         coefficients = {**model.steady_model.fixed, **fit.coefficients}
-        bounds, least = fit.at_bound, criteria.hint_gain
+        bounds, least = fit.at_bound, criteria.min_hint_reduction
         evidence = gather(model, coefficients, record, seen, testable, bounds, least)
         design = Design.of(evidence, record, drivers=drivers)
         selection = Selection(design, criteria)

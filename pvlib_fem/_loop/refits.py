@@ -247,7 +247,7 @@ class Fits:
             case.searched & record.known(step.model.drivers),
             candidates,
             step.at_bound,
-            case.criteria.hint_gain,
+            case.criteria.min_hint_reduction,
         )
 
 

@@ -154,7 +154,15 @@ def pattern_findings(tables: list[Table], least: float) -> list[Finding]:
             {"mean": table.size},
             {},
             because(Reason.UNEXPLAINED, gain=table.gain, where=table.where),
-            (Check("gain", "min_gain", table.gain, float(np.sqrt(least)), unit="K"),),
+            (
+                Check(
+                    "gain",
+                    "min_rmse_reduction",
+                    table.gain,
+                    float(np.sqrt(least)),
+                    unit="K",
+                ),
+            ),
             Kind.STRUCTURE,
             table.ranges,
             table.where,

@@ -190,7 +190,7 @@ class Selection:
         if not one.effect.sensor_fault:
             return one.effect
         errors = float(np.abs(score.estimate[0]) / score.stderr[0])
-        side = self.criteria.change_side
+        side = self.criteria.min_days_each_side
         return first_days(self.design, one, given, side, errors)
 
     def given(self, choices: Iterable[Choice]) -> list[Column]:
@@ -205,8 +205,10 @@ class Selection:
         if key not in self.known:
             limits = self.criteria
             every = [
-                *without_dates(self.design, limits.prior),
-                *dated(self.design, given, limits.change_side, limits.prior),
+                *without_dates(self.design, limits.prior_odds),
+                *dated(
+                    self.design, given, limits.min_days_each_side, limits.prior_odds
+                ),
             ]
             self.known[key] = [one for one in every if one.name not in self.closed]
         return [one for one in self.known[key] if one.name not in {*taken}]
@@ -232,11 +234,14 @@ class Selection:
         """Fall of the mean square that is material. [K²]"""
         mean = held_out(self.design.by_week(self.design.base), self.design.folds)
         limits = self.criteria
-        return max(limits.min_gain**2, limits.min_share * mean / self.design.count)
+        return max(
+            limits.min_rmse_reduction**2,
+            limits.min_error_share * mean / self.design.count,
+        )
 
     def holds(self, score: Score) -> bool:
         """Whether it is possible, there and material."""
-        there = score.probability >= self.criteria.probability
+        there = score.probability >= self.criteria.min_probability
         return score.possible and there and score.fall >= self.least
 
     def in_sample(self, one: Candidate, given: Sequence[Column]) -> float:

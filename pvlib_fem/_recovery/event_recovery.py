@@ -166,7 +166,7 @@ class Plant:
     def of(cls, search: Search, loop: Loop) -> Any:
         case = search.case
         record: Any = loop.fit.record
-        powers = [*plant_power(record, case.criteria.max_missing)]
+        powers = [*plant_power(record, case.criteria.max_missing_share)]
         if not powers:
             raise ValueError(
                 f"data lack {' or '.join(PLANT_POWER)}, by which events are found"

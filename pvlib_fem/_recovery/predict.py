@@ -52,7 +52,9 @@ def predictions(
     with one_blas_thread():
         fits = Fits(case)
         days = np.unique(case.record.dates[case.searched])
-        planned, why = drawn(effect, days, case.criteria.change_side, draws, seed)
+        planned, why = drawn(
+            effect, days, case.criteria.min_days_each_side, draws, seed
+        )
         if why is not None:
             return [], why
         there = {one.name for one in step.model.effects if not one.sensor_fault}

@@ -304,8 +304,8 @@ def conclusion(loop: "Loop") -> list[Paragraph]:
     if loop.weighed and not added(loop):
         findings += (
             " No effect of the catalogue and no column reduces the error by "
-            f"{loop.criteria.min_gain:.2f} K or more, beyond chance and with a "
-            "possible size."
+            f"{loop.criteria.min_rmse_reduction:.2f} K or more, beyond chance and with "
+            "a possible size."
         )
     body = [paragraph(error), paragraph(findings)]
     if words := budget.in_time(loop):
@@ -470,8 +470,8 @@ def remaining(loop: "Loop") -> Block | list[Block]:
     if loop.unexplained:
         return listed(items)
     words = (
-        f"No structure of {loop.criteria.min_gain:.2f} K and more over hours, months "
-        "or the columns of the record."
+        f"No pattern of {loop.criteria.min_rmse_reduction:.2f} K and more over hours, "
+        "months or the columns of the record."
     )
     if short(loop):
         words = "Not looked for: there are too few days to leave any out."

@@ -108,7 +108,7 @@ def longer(loop: "Loop") -> Iterator[tuple[str, str]]:
     hidden = {
         str(name): row["minimum_detectable"]
         for name, row in rows.iterrows()
-        if row["minimum_detectable"] > loop.criteria.min_gain
+        if row["minimum_detectable"] > loop.criteria.min_rmse_reduction
         and (row["physical"] or row["gain"] <= 0)
     }
     if hidden:

@@ -64,11 +64,11 @@ def compare_modules(
     -----
     A copy of another sensor, a stuck sensor and a sensor with less than half of the
     values are reported and not used. Steps are searched as in :func:`close_loop`, in
-    over-temperatures in sun, and reported from ``criteria.hint_gain`` on. The largest
-    step is removed before the next search, because it is in the median of the other
-    sensors. With two sensors, one step is searched and both have it. To find which of
-    them changed, call :func:`close_loop` with one as ``temp_module`` and the other as
-    ``temp_module_2``.
+    over-temperatures in sun, and reported from ``criteria.min_hint_reduction`` on. The
+    largest step is removed before the next search, because it is in the median of the
+    other sensors. With two sensors, one step is searched and both have it. To find
+    which of them changed, call :func:`close_loop` with one as ``temp_module`` and the
+    other as ``temp_module_2``.
 
     Examples
     --------

@@ -203,7 +203,10 @@ def step_of(
     score = selection.score(step, given)
     both = selection.design.whole(given)
     before = share + float(solve(both)[0] / design.scale[1])
-    if score.probability < criteria.probability or score.fall < criteria.hint_gain**2:
+    if (
+        score.probability < criteria.min_probability
+        or score.fall < criteria.min_hint_reduction**2
+    ):
         return {}
     (size,), (error,) = score.estimate / before, score.stderr / before
     at = step.effect.settings["at"]

@@ -120,7 +120,7 @@ def counted(loop: "Loop", statements: list[Statement]) -> str:
     }
     parts = [f"{n} {words}{'s' * (n > 1)}" for words, n in counts.items() if n]
     words = f"Found: {', '.join(parts)}." if parts else "No cause was found."
-    days, least = loop.fit.summary.days, loop.criteria.enough_days
+    days, least = loop.fit.summary.days, loop.criteria.min_days
     if days < least:
         words += f" At least {least} days are needed to identify one (here {days})."
     return words

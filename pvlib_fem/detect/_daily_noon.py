@@ -86,7 +86,7 @@ def with_dark_nights(
     edge of that day's light is not known.
     """
     day, row = np.floor(seconds / DAY).astype(int), np.arange(len(light))
-    lit = np.flatnonzero(light > limits.light)
+    lit = np.flatnonzero(light > limits.min_light)
     first, last = np.full(day.max() + 1, -1), np.full(day.max() + 1, len(light))
     first[day[lit[::-1]]] = lit[::-1]
     last[day[lit]] = lit

@@ -277,12 +277,14 @@ def same(
     time, due = transition
     day = pd.Timedelta(days=1)
     first, last = plain(earliest) - day, plain(latest) + day
-    return abs(by - due) < limits.sun_slack and first <= time.normalize() <= last
+    return (
+        abs(by - due) < limits.daylight_tolerance and first <= time.normalize() <= last
+    )
 
 
 def visible(time: pd.Timestamp, days: pd.Series, limits: Limits) -> bool:
     """Whether enough days on both sides of a time would have shown a jump."""
-    day, side = pd.DatetimeIndex([plain(d) for d in days.index]), limits.noon_side
+    day, side = pd.DatetimeIndex([plain(d) for d in days.index]), limits.noon_window
     at = int(day.searchsorted(time))
     if not side // 2 <= at <= len(day) - side // 2:
         return False

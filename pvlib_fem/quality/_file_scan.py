@@ -101,7 +101,7 @@ class Column:
             new = values[there], rows[there], times[there]
         if not len(new[0]):
             return
-        least, size = self.limits.spike, self.limits.few_rows + 1
+        least, size = self.limits.min_spike, self.limits.max_accident_rows + 1
         before = [part[-1:] for part in self.tail] or [new[0][:1]]
         steep = np.abs(np.diff(new[0], prepend=before[0])).max() > least
         both = new
@@ -114,7 +114,7 @@ class Column:
             if found.any():
                 part = rows[found], count[found], x[found]
                 self.odd.setdefault("spike", []).append(part)
-        self.tail = tuple(part[-self.limits.few_rows - 1 :] for part in both)
+        self.tail = tuple(part[-self.limits.max_accident_rows - 1 :] for part in both)
 
     @property
     def never_moves(self) -> bool:
@@ -135,7 +135,7 @@ class Column:
         limits, sizes = self.limits, np.abs(sample[np.isfinite(sample)])
         near = sizes * factor >= self.size
         # what the sample has of them twice too often is no share that is in doubt
-        if not self.size or near.mean() > 2.0 * limits.few_share:
+        if not self.size or near.mean() > 2.0 * limits.max_accident_share:
             return none
         if few(sizes[~near], limits):
             return none
@@ -149,7 +149,7 @@ class Column:
             size[rows] = np.nan
             rest = np.fmax(rest, np.fmax.reduce(size))
         rows, times, values = map(np.concatenate, zip(*parts))
-        if len(rows) > limits.few_share * self.known:
+        if len(rows) > limits.max_accident_share * self.known:
             return none
         found, counts = np.unique(values, return_counts=True)
         far = (np.abs(values) >= factor * rest).all()
@@ -194,7 +194,7 @@ class Look:
     def add(self, block: Block, limits: Limits) -> None:
         times, steps = block.times, block.inputs.steps
         self.ends = (*self.ends[:1], times[-1]) if self.ends else (times[0], times[-1])
-        long = np.flatnonzero(steps * self.unit > limits.stray_gap)
+        long = np.flatnonzero(steps * self.unit > limits.min_stray_gap)
         self.gaps += [(block.start + i, times[i] - steps[i], times[i]) for i in long]
         first = int(block.start == 0)
         count_steps(self.steps, steps[first:])

@@ -51,7 +51,7 @@ def twin_clock(
     limits = limits or Limits()
     times = instants(index)
     seconds = (times - times[0]) / np.timedelta64(1, "s")
-    if len(seconds) < 2 or seconds[-1] < limits.shortest_record:
+    if len(seconds) < 2 or seconds[-1] < limits.min_record:
         return IrradianceClock(np.nan, np.nan, pd.Series(dtype=float))
     step, dark = usual_step(index), night(seconds, poa_global)
     noons = []
@@ -60,16 +60,16 @@ def twin_clock(
         day, middle = middles(seconds - dark, light, step, limits)
         noons.append(pd.Series(middle, day))
     apart = (noons[1] - noons[0]).dropna()
-    if len(apart) < limits.noon_side:
+    if len(apart) < limits.noon_window:
         return IrradianceClock(np.nan, np.nan, pd.Series(dtype=float))
     number, middle = apart.index.to_numpy(), apart.to_numpy()
-    found = jumps_of(number, middle, limits) if step <= limits.coarsest else []
+    found = jumps_of(number, middle, limits) if step <= limits.max_noon_step else []
     dates = days_of(index[0], dark + number * DAY)
     jumps = tuple((dates[jump["at"]], jump["by"]) for jump in found)
     days = pd.Series(middle, dates)
     late, stderr, _ = change(np.zeros(1), days.to_numpy())
     parts = []
-    if abs(late) > limits.sun_slack:
+    if abs(late) > limits.daylight_tolerance:
         error = max(stderr / 60, 1)
         parts.append(
             f"run {abs(late) / 60:.0f} ± {error:.0f} min {side_of(late)} those of "

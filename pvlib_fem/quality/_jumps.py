@@ -21,8 +21,8 @@ def jumps_of(
         Middle of each day's light, as a deviation from the same time of every day,
         such as the sun's noon. [s]
     limits : Limits
-        Thresholds of the noon: ``noon_side``, ``noon_error``, ``sun_slack`` and
-        ``sure``.
+        Thresholds of the noon: ``noon_window``, ``min_noon_error``,
+        ``daylight_tolerance`` and ``min_standard_errors``.
     apart : bool, default False
         Report jumps over gaps of whole seasons, too, but only by whole hours. That is
         right for deviations from the sun's noon alone: otherwise the season moves the
@@ -36,9 +36,11 @@ def jumps_of(
         it may be on. Moves near to whole hours are those; others are in whole minutes,
         and need as long again on both sides.
     """
-    fewest = max(limits.noon_side // 2, 1)
+    fewest = max(limits.noon_window // 2, 1)
     tried = np.arange(fewest, len(day) - fewest + 1)
-    tried = tried[np.abs(moves(middle, limits.noon_side))[tried] >= limits.sun_slack]
+    tried = tried[
+        np.abs(moves(middle, limits.noon_window))[tried] >= limits.daylight_tolerance
+    ]
     found = filter(None, (jump_at(i, day, middle, limits, apart) for i in tried))
     # neighbours see the same jump; it is where both sides are the most even
     groups = []
@@ -66,7 +68,7 @@ def moves(middle: np.ndarray, side: int) -> np.ndarray:
 
 def together(one: dict, other: dict, limits: Limits) -> bool:
     """Whether two days see one jump; there and back within days are two."""
-    near = other["day"] - one["day"] <= limits.noon_side
+    near = other["day"] - one["day"] <= limits.noon_window
     near |= other["at"] - one["at"] == 1  # the days on either side of a gap
     return near and np.sign(one["by"]) == np.sign(other["by"])
 
@@ -75,13 +77,16 @@ def jump_at(
     i: int, day: np.ndarray, middle: np.ndarray, limits: Limits, apart: bool
 ) -> dict | None:
     """A jump before the i-th day, or None."""
-    first, last = max(i - limits.noon_side, 0), i + limits.noon_side
+    first, last = max(i - limits.noon_window, 0), i + limits.noon_window
     around = day[first:last]
     by, error, rough = change(middle[first:i], middle[i:last])
-    far = around[-1] - around[0] > 4 * limits.noon_side
+    far = around[-1] - around[0] > 4 * limits.noon_window
     if far and not (apart and whole_hours(by, limits)):
         return None
-    if abs(by) < limits.sun_slack or abs(by) < limits.sure * error:
+    if (
+        abs(by) < limits.daylight_tolerance
+        or abs(by) < limits.min_standard_errors * error
+    ):
         return None
     return dict(day=int(day[i]), before=int(day[i - 1]), at=i, by=by, rough=rough)
 
@@ -113,8 +118,12 @@ def evenest(group: list, limits: Limits) -> dict:
     """The jump with the most even sides, and the days that it may be on."""
     best = min(group, key=lambda jump: jump["rough"])
     # where noise has exponential tails, e times less likely for each mean deviation
-    scale = max(best["rough"] / 2, limits.noon_error) / limits.noon_side
-    near = [j for j in group if j["rough"] - best["rough"] <= limits.sure * scale]
+    scale = max(best["rough"] / 2, limits.min_noon_error) / limits.noon_window
+    near = [
+        j
+        for j in group
+        if j["rough"] - best["rough"] <= limits.min_standard_errors * scale
+    ]
     return best | dict(within=(near[0]["before"] + 1, near[-1]["day"]))
 
 
@@ -122,7 +131,7 @@ def size(
     day: np.ndarray, middle: np.ndarray, first: int, at: int, end: int, limits: Limits
 ) -> float:
     """A jump's whole hours; else its minutes, if it holds for long; else 0. [s]"""
-    side = limits.noon_side
+    side = limits.noon_window
     by, _, _ = change(
         middle[max(first, at - side) : at], middle[at : min(end, at + side)]
     )
@@ -134,14 +143,14 @@ def size(
     if min(map(len, sides)) < side:
         return 0.0
     by, error, _ = change(*sides)
-    if abs(by) < max(limits.sun_slack, 2 * limits.sure * error):
+    if abs(by) < max(limits.daylight_tolerance, 2 * limits.min_standard_errors * error):
         return 0.0
     return whole_hours(by, limits) or 60.0 * round(by / 60)
 
 
 def widened(jump: dict, day: np.ndarray, middle: np.ndarray, limits: Limits) -> dict:
     """The jump with adjacent days by neither clock, such as the day of setting."""
-    at, side, far = jump["at"], limits.noon_side, abs(jump["by"]) / 4
+    at, side, far = jump["at"], limits.noon_window, abs(jump["by"]) / 4
     before, after = (
         np.median(middle[max(at - side, 0) : at]),
         np.median(middle[at : at + side]),
@@ -164,7 +173,8 @@ def whole_hours(by: float, limits: Limits) -> float:
     by : float
         The move. [s]
     limits : Limits
-        ``sure`` times ``noon_error`` is the deviation that is allowed.
+        ``min_standard_errors`` times ``min_noon_error`` is the deviation that is
+        allowed.
 
     Returns
     -------
@@ -172,4 +182,8 @@ def whole_hours(by: float, limits: Limits) -> float:
         With the sign of the move; 0 where no hour is near. [s]
     """
     hours = HOUR * round(by / HOUR)
-    return float(hours) if abs(by - hours) < limits.sure * limits.noon_error else 0.0
+    return (
+        float(hours)
+        if abs(by - hours) < limits.min_standard_errors * limits.min_noon_error
+        else 0.0
+    )

@@ -57,12 +57,12 @@ def lag(
     Lag or None
         None where the record is too short or too dark, or its rows too far apart.
     """
-    if len(seconds) < 2 or seconds[-1] < limits.shortest_record:
+    if len(seconds) < 2 or seconds[-1] < limits.min_record:
         return None
     base = float(np.median(np.diff(seconds)))
-    if not 0 < base <= limits.coarsest:
+    if not 0 < base <= limits.max_noon_step:
         return None
-    step = base * max(1, round(limits.coarsest_clock / base))
+    step = base * max(1, round(limits.max_onset_step / base))
     count = round(DAY / step)
     front = -night(seconds, poa)
     even = grid(seconds + front, (poa, air, module), step, count)
@@ -71,7 +71,7 @@ def lag(
     if not sums.informative:
         return None
     found = weighed(sums, step, limits)
-    if base <= limits.coarsest_clock:  # whose onset is looked for
+    if base <= limits.max_onset_step:  # whose onset is looked for
         return found
     day = np.unique(np.floor((seconds + front) / DAY))
     begin = [
@@ -270,12 +270,12 @@ def weighed(sums: Products, step: float, limits: Limits) -> Lag:
     fall = np.clip(fall, -1.0, 1.0)
     error = fall.std(ddof=1) / np.sqrt(fall.size)
     sure = float(fall.mean() / error) if error > 0 else 0.0
-    critical = student.ppf(norm.cdf(limits.sure), fall.size - 1)
+    critical = student.ppf(norm.cdf(limits.min_standard_errors), fall.size - 1)
     ratio = tried[best][1] / tried[none][1] if tried[none][1] > 0 else 1.0
     changed = sums.module @ sums.module + sums.air @ sums.air
     share = float(1 - tried[best][1] / changed)
-    most = limits.lag_left if abs(best) > 1 else limits.lag_next
-    holds = sure > critical and ratio < most and share > limits.lag_share
+    most = limits.max_lag_error if abs(best) > 1 else limits.max_next_lag_error
+    holds = sure > critical and ratio < most and share > limits.min_lag_share
     late = best * step if holds else 0.0
     return Lag(late, step, sure, share, float(ratio), best, tried[best][0])
 
@@ -286,12 +286,16 @@ def hours_by_days(sums: Products, found: Lag, limits: Limits) -> list:
     Stretches are of months, since a few weeks of one sky may be an accident.
     """
     days = len(sums.seen)
-    parts = np.linspace(0, days, max(2, round(days / (2 * limits.longest_block)) + 1))
+    parts = np.linspace(0, days, max(2, round(days / (2 * limits.max_block_days)) + 1))
     runs = []
     for first, end in pairwise(parts.astype(int)):
         part = sums.part(first, end)
         one = weighed(part, found.step, limits) if part.informative else None
-        if one is None or one.share < limits.lag_share or (one.best and not one.late):
+        if (
+            one is None
+            or one.share < limits.min_lag_share
+            or (one.best and not one.late)
+        ):
             continue
         if not runs or runs[-1][-1][0] != one.best:
             runs.append([])

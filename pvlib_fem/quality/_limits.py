@@ -3,6 +3,7 @@
 from dataclasses import dataclass, fields
 
 from pvlib_fem._record.ranges import RANGES
+from pvlib_fem._renamed_effects import fields_in_new_names
 
 #: share of irradiance that a module gives: at its best not below 0.5 %, and never 40 %;
 #: the best give a quarter, and sensors err
@@ -20,181 +21,227 @@ POSSIBLE = {
 }
 
 
+#: former names of thresholds
+RENAMED = {
+    "few_share": "max_accident_share",
+    "few_rows": "max_accident_rows",
+    "few_values": "min_known_values",
+    "far": "min_fill_ratio",
+    "most_impossible": "max_impossible_share",
+    "day_side": "daylight_window",
+    "sunny": "min_sunny_irradiance",
+    "lit_nights": "max_lit_night_share",
+    "spike": "min_spike",
+    "end_days": "min_range_end_days",
+    "still_chance": "max_stuck_chance",
+    "still_time": "response_time",
+    "still_air": "stale_air_window",
+    "still_wind": "stale_wind_window",
+    "still_day": "stale_day_window",
+    "calm": "stale_calm_window",
+    "warmed": "min_temperature_response",
+    "temp_slack": "temperature_tolerance",
+    "light": "min_light",
+    "bright": "min_bright_irradiance",
+    "shortest_record": "min_record",
+    "coarsest_clock": "max_onset_step",
+    "coarsest": "max_noon_step",
+    "lag_left": "max_lag_error",
+    "lag_next": "max_next_lag_error",
+    "lag_share": "min_lag_share",
+    "farthest_clock": "max_onset_shift",
+    "sensor_slack": "onset_tolerance",
+    "clear_peak": "min_peak_ratio",
+    "block_number": "onset_blocks",
+    "longest_block": "max_block_days",
+    "block_error": "min_block_error",
+    "sure": "min_standard_errors",
+    "sun_slack": "daylight_tolerance",
+    "noon_side": "noon_window",
+    "noon_error": "min_noon_error",
+    "shortest_night": "min_night",
+    "stray_gap": "min_stray_gap",
+}
+
+
+@fields_in_new_names(RENAMED)
 @dataclass(frozen=True, kw_only=True)
 class Limits:
     """
     Every threshold by which :func:`pvlib_fem.screen_record` and :func:`check` decide.
 
-    A change is made by ``Limits(still_wind=43200.0)`` and given as ``limits=``. What
-    they find, and what they find wrongly, is in :doc:`/quality`; what a column can hold
-    at all is in ``pvlib_fem._record.ranges``.
+    ``Limits(stale_wind_window=43200.0)`` changes one; give it as ``limits=``.
+    :doc:`/quality` has what they find, and what they find wrongly. What a column can
+    hold at all is in ``pvlib_fem._record.ranges``.
 
     Attributes
     ----------
-    few_share : float
-        *all.* Share of rows up to which what is odd is an accident: values of another
-        unit, rows years from all others, rows that are missing by day or present by
-        night in a file of days alone, values below a calm. An unknown code has no more,
-        since more is a state of what is measured, such as on. [-]
-    few_rows : int
-        *fill value, spike, stuck.* Rows that an accident may last: a value that jumps
-        and returns, or stays; a code that nobody knows is there more often. [-]
-    few_values : int
-        *fill value, spike, end of range, units.* Values that a column needs to know
-        itself: different ones, or it is a switch, and rows at the most that it reads,
-        or that is no end. [-]
-    far : float
-        *fill value, spike.* Multiple of the largest other value, in size, from which a
-        positive code is one in a column whose range is not known. Its square is needed
-        of a value that repeats and is no known code, its cube of a lone one. [-]
-    most_impossible : float
-        *out of range.* Share of one of the four columns that may be impossible; with
-        more the record is refused. [-]
-    day_side : int
-        *negative by day, light by night.* Days on either side that are compared. [days]
-    sunny : float
-        *negative by day, units.* Irradiance of a time of day that is light for sure, so
-        that a negative value is not of the night, and a module gives power. [W/m²]
-    lit_nights : float
-        *light by night.* Share of the nights around up to which light at a time of
-        night is an accident; with more it may be a clock that was set. [-]
-    spike : float
-        *spike.* Change of temperature there and back that may be noise, against the
-        fastest of air and of modules. Of air twice as much within ``still_air`` is
-        none: fronts do not return, and heat bursts reach 15 K. [K]
-    end_days : int
-        *end of range.* Days with rows at the most, or the least, that a column reads,
-        from which its sensor's range may end there: what is measured is at its very
-        most once. [days]
-    still_chance : float
-        *stuck.* Chance of a repetition, by how often its column keeps a value from row
-        to row, below which that is no accident. [-]
-    still_time : float
-        *stuck, end of range.* Time in which a module has answered irradiance: up to it
-        a repetition is no fault, and after it what was before is forgotten. It is five
-        time constants. [s]
-    still_air : float
-        *stuck.* Time over which air moves a thermometer, or a module in the dark,
-        which an evening's calm may not. [s]
-    still_wind : float
-        *stuck.* Time for which wind may repeat any speed but its lowest. [s]
-    still_day : float
-        *stuck.* Time for which irradiance may be 0, a module under melting snow at
-        0 °C, and humidity, longwave, power and rain what they are, but where their
-        sensors rest: a day, and the longest night outside the polar circles. [s]
-    calm : float
-        *stuck.* Time for which wind may stay at its lowest, where a cup anemometer
-        does not start, and a vane in a trade wind; and after which a module, air and
-        irradiance are stuck whatever they usually do. [s]
-    warmed : float
-        *stuck.* Change of module or over-temperature that takes a change of irradiance,
-        some 300 W/m². [K]
-    temp_slack : float
-        *stuck.* Difference of temperatures that tells nothing: of the air that a module
-        need not answer, in addition to twice the resolution of both, and from 0 °C
-        where snow melts. [K]
-    light : float
-        *noon, stuck, light by night.* Irradiance above which there is light, above what
+    max_accident_share : float
+        *All checks.* Largest share of rows that counts as an accident: values in
+        another unit, rows years from all others, rows that are missing by day or
+        present by night in a file of days alone, values below a calm. An unknown code
+        in more rows is a state of what is measured, such as on. [-]
+    max_accident_rows : int
+        *Fill value, spike, stuck.* Most rows of one accident: a value that jumps and
+        returns, or stays. A code that nobody knows has more rows. [-]
+    min_known_values : int
+        *Fill value, spike, end of range, units.* Fewest values by which a column's
+        range is known: different ones, else it is a switch; and rows at the largest
+        reading, else that is no end of a range. [-]
+    min_fill_ratio : float
+        *Fill value, spike.* Smallest ratio of a positive code to the largest other
+        value, in size, in a column whose range is not known. A value that repeats and
+        is no known code needs the square of it, a single one the cube. [-]
+    max_impossible_share : float
+        *Out of range.* Largest share of impossible values in one of the four columns
+        that every fit needs; a record with more is refused. [-]
+    daylight_window : int
+        *Negative by day, light by night.* Days on each side that are compared. [days]
+    min_sunny_irradiance : float
+        *Negative by day, units.* Irradiance from which a time of day is light, so that
+        a negative value is not of the night, and a module gives power. [W/m²]
+    max_lit_night_share : float
+        *Light by night.* Largest share of the nights around on which light at a time of
+        night is an accident; with more, a clock may have been set. [-]
+    min_spike : float
+        *Spike.* Smallest change of temperature there and back that is no noise, in
+        addition to the fastest change of air and of modules. For air it is twice as
+        much within ``stale_air_window``: heat bursts reach 15 K, and fronts do not
+        return. [K]
+    min_range_end_days : int
+        *End of range.* Fewest days with rows at the largest, or smallest, reading from
+        which the sensor's range may end there: weather reaches its extreme once.
+        [days]
+    max_stuck_chance : float
+        *Stuck.* Largest chance of a repetition that is no accident, by how often the
+        column keeps a value from row to row. [-]
+    response_time : float
+        *Stuck, end of range.* Time in which a module has responded to irradiance, five
+        time constants. A shorter repetition is no fault, and older rows have no
+        influence. [s]
+    stale_air_window : float
+        *Stuck.* Longest time without a change of the air temperature, or of a module in
+        the dark; calm evenings are shorter. [s]
+    stale_wind_window : float
+        *Stuck.* Longest time without a change of wind above its lowest speed. [s]
+    stale_day_window : float
+        *Stuck.* Longest time with irradiance 0, with a module under melting snow at
+        0 °C, and without a change of humidity, longwave irradiance, power and rain:
+        a day, and the longest night outside the polar circles. [s]
+    stale_calm_window : float
+        *Stuck.* Longest time with wind at its lowest speed, where a cup anemometer does
+        not start, and with one wind direction, as in a trade wind; and the time after
+        which module, air and irradiance are stuck whatever they usually do. [s]
+    min_temperature_response : float
+        *Stuck.* Smallest change of module temperature, or of its rise over air, that
+        needs a change of irradiance, of some 300 W/m². [K]
+    temperature_tolerance : float
+        *Stuck.* Difference of temperatures without meaning: of the air, to which a
+        module need not respond, in addition to twice the resolution of both; and from
+        0 °C, where snow melts. [K]
+    min_light : float
+        *Noon, stuck, light by night.* Irradiance from which there is light, above what
         a pyranometer reads at night. [W/m²]
-    bright : float
-        *noon, stuck.* Irradiance that a day has to reach, to have clear edges; and the
-        change of it that a module must answer, by 2 to 6 K at the 20 to 60 mK/(W/m²)
-        of all mountings. [W/m²]
-    shortest_record : float
-        *clock, noon.* Time below which no clock is looked at: two days and the
-        night between. [s]
-    coarsest_clock : float
-        *clock.* Step of the rows above which the onset of an answer does not show,
-        since it is half over within it. [s]
-    coarsest : float
-        *clock, noon.* Step of the rows up to which the step shows in which an answer
-        begins, and a jump of the noon by an hour. [s]
-    lag_left, lag_next : float
-        *clock.* Share of what no lag leaves of the changes from row to row, below
-        which another lag's has to be, and one that is but a step off: that may be by
-        half where rows hold means of one column and ends of the other. [-]
-    lag_share : float
-        *clock.* Share of those changes that it has to explain: what irradiance
-        hardly moves is no module. [-]
-    farthest_clock : float
-        *clock, stuck.* Time around such a lag, or none, within which the onset is
-        looked for: two zones. [s]
-    sensor_slack : float
-        *clock.* Time beyond one sample by which contact sensors and averaging may
-        differ, and the error of an onset that tells anything: contact sensors answer
+    min_bright_irradiance : float
+        *Noon, stuck.* Irradiance that a day has to reach for clear edges; and the
+        change of it to which a module must respond, by 2 to 6 K at the 20 to
+        60 mK/(W/m²) of all mountings. [W/m²]
+    min_record : float
+        *Clock, noon.* Shortest record whose clock is checked: two days and the night
+        between. [s]
+    max_onset_step : float
+        *Clock.* Largest step of the rows at which the onset of a response shows; within
+        a larger one it is half over. [s]
+    max_noon_step : float
+        *Clock, noon.* Largest step of the rows at which the row shows in which a
+        response begins, and a jump of the noon by an hour. [s]
+    max_lag_error, max_next_lag_error : float
+        *Clock.* Largest remaining error of a lag, as a share of that without a lag, and
+        the same for a lag of one row, which may be due to rows with means of one column
+        and instantaneous values of the other. [-]
+    min_lag_share : float
+        *Clock.* Smallest share of the module's changes from row to row that a lag has
+        to explain: a column that irradiance hardly moves is no module temperature. [-]
+    max_onset_shift : float
+        *Clock, stuck.* Largest shift about such a lag, or about none, at which the
+        onset is searched: two time zones. [s]
+    onset_tolerance : float
+        *Clock.* Time beyond one sample by which contact sensors and averaging may
+        differ, and the largest error of an onset that counts: contact sensors respond
         within 10 to 60 s. [s]
-    clear_peak : float
-        *clock.* Height of a correlation over its own scatter, from which clouds
-        show when an answer begins. [-]
-    block_number : int
-        *clock.* Blocks into which a record is divided if it is long enough. [-]
-    longest_block : int
-        *clock.* Length of a block at most; over longer ones a drift of 7 s a day is
-        lost in them. [days]
-    block_error : float
-        *clock.* What a block's own error may leave out, of the shape of the answer.
+    min_peak_ratio : float
+        *Clock.* Smallest ratio of a correlation's peak to its own scatter at which
+        clouds show the begin of a response. [-]
+    onset_blocks : int
+        *Clock.* Blocks into which a long record is divided. [-]
+    max_block_days : int
+        *Clock.* Longest block; in longer ones a drift of 7 s a day is lost. [days]
+    min_block_error : float
+        *Clock.* Error of the shape of the response that a block's own error may not
+        contain. [s]
+    min_standard_errors : float
+        *Clock, noon.* Standard errors by which a fault differs from none; with few
+        blocks, Student's t with the same chance. A single block needs twice as many.
+        [-]
+    daylight_tolerance : float
+        *Noon, negative by day.* Uncertainty of the time of day by light alone, from a
+        turned plane, a horizon or hourly means; the smallest jump of it; and the parts
+        of a day that are compared with other days. [s]
+    noon_window : int
+        *Noon, light by night.* Days on each side of a jump that are compared; with
+        missing days they may span four times as many. [days]
+    min_noon_error : float
+        *Noon, clock.* Smallest error that clouds cause in the noon of one day. A jump
+        is of whole hours to within ``min_standard_errors`` times that, and one of a
+        module's clock to within it. [s]
+    min_night : float
+        *Noon.* Shortest dark time of a day with clear edges; near the midnight sun it
+        is shorter. [s]
+    min_stray_gap : float
+        *Times.* Shortest gap between rows from which the rows on one side are suspect.
         [s]
-    sure : float
-        *clock, noon.* Standard errors by which a fault has to differ from none; with
-        few blocks Student's t of the same chance. Twice as many are required of a block
-        beside the others. [-]
-    sun_slack : float
-        *noon, negative by day.* Time of day to which light alone tells it: what a
-        turned plane, a horizon or averages of an hour may do to a noon, the least jump
-        of it, and the parts of a day that are compared with other days. [s]
-    noon_side : int
-        *noon, light by night.* Days on each side of a jump that are compared; they may
-        span four times as many, where some are missing. [days]
-    noon_error : float
-        *noon, clock.* What clouds leave in the noon of one day, at least; a jump is by
-        whole hours within ``sure`` times that, and of a module's clock within it. [s]
-    shortest_night : float
-        *noon.* Dark time below which a day has no clear edges, as near the midnight
-        sun. [s]
-    stray_gap : float
-        *times.* Gap between rows from which those on its one side are suspect. [s]
     """
 
-    few_share: float = 0.02
-    few_rows: int = 3
-    few_values: int = 20
-    far: float = 3.5
-    most_impossible: float = 0.2
-    day_side: int = 3
-    sunny: float = 300.0
-    lit_nights: float = 0.2
-    spike: float = 12.0
-    end_days: int = 5
+    max_accident_share: float = 0.02
+    max_accident_rows: int = 3
+    min_known_values: int = 20
+    min_fill_ratio: float = 3.5
+    max_impossible_share: float = 0.2
+    daylight_window: int = 3
+    min_sunny_irradiance: float = 300.0
+    max_lit_night_share: float = 0.2
+    min_spike: float = 12.0
+    min_range_end_days: int = 5
 
-    still_chance: float = 1e-9
-    still_time: float = 1800.0
-    still_air: float = 10800.0
-    still_wind: float = 21600.0
-    still_day: float = 86400.0
-    calm: float = 259200.0
-    warmed: float = 10.0
-    temp_slack: float = 1.0
-    light: float = 20.0
-    bright: float = 100.0
+    max_stuck_chance: float = 1e-9
+    response_time: float = 1800.0
+    stale_air_window: float = 10800.0
+    stale_wind_window: float = 21600.0
+    stale_day_window: float = 86400.0
+    stale_calm_window: float = 259200.0
+    min_temperature_response: float = 10.0
+    temperature_tolerance: float = 1.0
+    min_light: float = 20.0
+    min_bright_irradiance: float = 100.0
 
-    shortest_record: float = 129600.0
-    coarsest_clock: float = 900.0
-    coarsest: float = 3600.0
-    lag_left: float = 0.8
-    lag_next: float = 0.5
-    lag_share: float = 0.3
-    farthest_clock: float = 7200.0
-    sensor_slack: float = 30.0
-    clear_peak: float = 5.0
-    block_number: int = 8
-    longest_block: int = 14
-    block_error: float = 3.0
-    sure: float = 3.0
-    sun_slack: float = 1800.0
-    noon_side: int = 10
-    noon_error: float = 300.0
-    shortest_night: float = 10800.0
-    stray_gap: float = 31622400.0
+    min_record: float = 129600.0
+    max_onset_step: float = 900.0
+    max_noon_step: float = 3600.0
+    max_lag_error: float = 0.8
+    max_next_lag_error: float = 0.5
+    min_lag_share: float = 0.3
+    max_onset_shift: float = 7200.0
+    onset_tolerance: float = 30.0
+    min_peak_ratio: float = 5.0
+    onset_blocks: int = 8
+    max_block_days: int = 14
+    min_block_error: float = 3.0
+    min_standard_errors: float = 3.0
+    daylight_tolerance: float = 1800.0
+    noon_window: int = 10
+    min_noon_error: float = 300.0
+    min_night: float = 10800.0
+    min_stray_gap: float = 31622400.0
 
     def __post_init__(self) -> None:
         for field in fields(self):

@@ -130,15 +130,15 @@ def clock_shift(
     """
     limits = limits or Limits()
     seconds = record.inputs.seconds
-    if len(seconds) < 2 or seconds[-1] < limits.shortest_record:
+    if len(seconds) < 2 or seconds[-1] < limits.min_record:
         return unknown("the record is shorter than two days")
-    if (base := usual_step(record.index)) > limits.coarsest:
+    if (base := usual_step(record.index)) > limits.max_noon_step:
         return unknown(f"rows are {base / 60:.0f} min apart, longer than a response")
     poa, module = record["poa_global"], record["temp_module"]
     if skip is not None:
         module = np.where(skip, np.nan, module)
     found = lag(seconds, poa, record["temp_air"], module, limits)
-    if base > limits.coarsest_clock:
+    if base > limits.max_onset_step:
         if found is None:
             return unknown("hardly any light moves it")
         return by_hours(record.index[0], found) if found.hours else by_rows(found)
@@ -193,7 +193,7 @@ def jumps_between(sums: Sums, blocks: list, limits: Limits) -> list:
     shape, found = plain(sums.step), []
     for one, other, end in zip(blocks, blocks[1:], [*blocks[2:], {"day": len(sums)}]):
         moved = abs(other["late"] - one["late"])
-        if abs(moved - HOUR) >= limits.noon_error:
+        if abs(moved - HOUR) >= limits.min_noon_error:
             continue
         days = np.arange(one["day"], end["day"])
         fit = (sums.later(block["coarse"], len(shape), days) for block in (one, other))
@@ -222,7 +222,7 @@ def judge(
     days = (blocks["seconds"] - middle) / DAY
     points = (days.to_numpy(), late.to_numpy(), blocks["stderr"].to_numpy())
     value, stderr, drift, drift_stderr, centre, rest = line(*points, limits)
-    limit, faults = sums.step + limits.sensor_slack, {}
+    limit, faults = sums.step + limits.onset_tolerance, {}
     gained = drift * seconds[-1] / DAY / 60
     if 60 * abs(gained) > limit and abs(drift) > sure(rest - 1, limits) * drift_stderr:
         value -= drift * centre
@@ -263,11 +263,14 @@ def line(x: np.ndarray, y: np.ndarray, stderr: np.ndarray, limits: Limits) -> tu
     """Mean and slope of blocks with their errors, their centre, and how many more."""
     if len(x) > 3:  # blocks that are out of line by an accident do not count
         off = y - theilslopes(y, x).slope * x
-        usual = max(median_abs_deviation(off), limits.block_error)
+        usual = max(median_abs_deviation(off), limits.min_block_error)
         # twice the standard deviations that are sure, of 1.48 median deviations
-        kept = np.abs(off - np.median(off)) <= 2 * 1.4826 * limits.sure * usual
+        kept = (
+            np.abs(off - np.median(off))
+            <= 2 * 1.4826 * limits.min_standard_errors * usual
+        )
         x, y, stderr = x[kept], y[kept], stderr[kept]
-    stderr = np.hypot(stderr, limits.block_error)
+    stderr = np.hypot(stderr, limits.min_block_error)
     weight, rest = stderr**-2, len(x) - 1
     centre, mean = (np.average(v, weights=weight) for v in (x, y))
     x, y = x - centre, y - mean
@@ -304,4 +307,4 @@ def error_with_step(stderr: float, limit: float) -> float:
 
 def sure(rest: int, limits: Limits) -> float:
     """Standard errors that are three of a long record, by what was left over."""
-    return student.ppf(norm.cdf(limits.sure), max(rest, 2))
+    return student.ppf(norm.cdf(limits.min_standard_errors), max(rest, 2))

@@ -28,7 +28,7 @@ class NightLight:
 
     def __init__(self, ends: pd.DatetimeIndex, limits: Limits) -> None:
         self.limits = limits
-        self.parts = round(86400.0 / limits.sun_slack)
+        self.parts = round(86400.0 / limits.daylight_tolerance)
         self.first, last = dates_of(ends)
         days = int(last) - int(self.first) + 1
         self.known, self.lit, self.sum = (np.zeros((days, self.parts)) for _ in "abc")
@@ -42,7 +42,7 @@ class NightLight:
         """Look at the next rows."""
         there = np.isfinite(poa)
         place, poa = self.places(index)[there], poa[there]
-        weights = None, poa > self.limits.light, poa
+        weights = None, poa > self.limits.min_light, poa
         for table, weight in zip((self.known, self.lit, self.sum), weights):
             found = np.bincount(place, weight, table.size)
             table += found.reshape(table.shape)
@@ -53,15 +53,18 @@ class NightLight:
         there = known > 0
         lit = there & (lit > LIT * known)
         # a clock that was set for some days has many such nights, and its own are lit
-        seldom = share(lit, there, self.limits.noon_side) <= self.limits.lit_nights
-        seldom &= share(lit, there, self.limits.day_side) < 0.5
+        seldom = (
+            share(lit, there, self.limits.noon_window)
+            <= self.limits.max_lit_night_share
+        )
+        seldom &= share(lit, there, self.limits.daylight_window) < 0.5
         return (seldom & self.far_from_noon()).ravel()
 
     def far_from_noon(self) -> np.ndarray:
         """Whether a time of a day is more than a quarter of a day from its noon."""
         mean = self.sum / np.maximum(self.known, 1.0)
         part = (np.arange(self.parts) + 0.5) / self.parts
-        turn = around(mean, self.limits.noon_side) @ np.exp(2j * np.pi * part)
+        turn = around(mean, self.limits.noon_window) @ np.exp(2j * np.pi * part)
         noon = np.angle(turn) / (2.0 * np.pi)
         far = np.abs((part - noon[:, None] + 0.5) % 1.0 - 0.5)
         return far > HALF_DAY + 1.0 / self.parts
@@ -110,7 +113,7 @@ def light_by_night(
     list of tuple of array, shape (n,)
         Numbers, times and values [W/m²] of the rows of each block; empty without any.
     """
-    if step > limits.coarsest:
+    if step > limits.max_noon_step:
         return []
     nights = NightLight(ends, limits)
     for block in clean.blocks(("poa_global",)):
@@ -120,7 +123,7 @@ def light_by_night(
         return []
     for block in clean.blocks(("poa_global",)):
         poa = block["poa_global"]
-        rows = np.flatnonzero(poa > limits.light)
+        rows = np.flatnonzero(poa > limits.min_light)
         rows = rows[dark[nights.places(block.index[rows])]]
         parts.append((rows + block.start, block.times[rows], poa[rows]))
     return parts

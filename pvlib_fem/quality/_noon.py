@@ -84,7 +84,7 @@ def solar_noon_shift(
     limits = limits or Limits()
     times = instants(index)
     seconds = (times - times[0]) / np.timedelta64(1, "s")
-    if len(seconds) < 2 or seconds[-1] < limits.shortest_record:
+    if len(seconds) < 2 or seconds[-1] < limits.min_record:
         return SolarNoon(np.nan, pd.Series(dtype=float), (), {})
     step, dark = usual_step(index), night(seconds, poa_global)
     poa = with_nights(seconds - dark, np.asarray(poa_global, dtype=float), limits)
@@ -97,7 +97,7 @@ def solar_noon_shift(
         middle = (late + DAY / 2) % DAY - DAY / 2
     when = dark + (day + 0.5) * DAY
     why, changes = "", []
-    if step <= limits.coarsest:
+    if step <= limits.max_noon_step:
         changes = jumps_of(day, middle, limits, apart=location is not None)
     else:
         why = (
@@ -131,14 +131,14 @@ def levels(
     level = np.array([np.median(middle[parts == i]) for i in range(len(starts))])
     level -= level[np.argmin(np.abs(level))]
     # neighbours that differ by what is no jump are one clock, uneven by its sun
-    small = np.abs(level) < limits.sun_slack
+    small = np.abs(level) < limits.daylight_tolerance
     late = [whole_hours(by, limits) or 60.0 * round(by / 60) for by in level]
     return tuple(zip(starts, np.where(small, 0.0, late)))
 
 
 def noon_faults(late: float, jumps: tuple, step: float, limits: Limits) -> dict:
     faults = {}
-    if abs(late) > limits.sun_slack + step / 2:
+    if abs(late) > limits.daylight_tolerance + step / 2:
         faults["file_shift"] = (
             f"timestamps of the file run {abs(late) / 60:.0f} min {side_of(late)} the "
             "sun at the location: they are in another zone than stated, or the "
@@ -172,8 +172,8 @@ def with_nights(seconds: np.ndarray, poa: np.ndarray, limits: Limits) -> np.ndar
     poa : numpy.ndarray, shape (rows,)
         Irradiance. [W/m²]
     limits : Limits
-        ``light``, ``shortest_night`` and ``few_share``, the share of the rows of night
-        with a value from which the file has nights.
+        ``min_light``, ``min_night`` and ``max_accident_share``, the share of the rows
+        of night with a value from which the file has nights.
 
     Returns
     -------
@@ -182,11 +182,11 @@ def with_nights(seconds: np.ndarray, poa: np.ndarray, limits: Limits) -> np.ndar
         of each day; a day without light stays as it is. [W/m²]
     """
     whole = np.floor(seconds / DAY)  # twice as fast as // and %
-    deep = np.abs(seconds - whole * DAY - DAY / 2) > (DAY - limits.shortest_night) / 2
-    if not deep.any() or np.isfinite(poa[deep]).mean() > limits.few_share:
+    deep = np.abs(seconds - whole * DAY - DAY / 2) > (DAY - limits.min_night) / 2
+    if not deep.any() or np.isfinite(poa[deep]).mean() > limits.max_accident_share:
         return poa
     day, row = whole.astype(int), np.arange(len(poa))
-    lit = np.flatnonzero(poa > limits.light)
+    lit = np.flatnonzero(poa > limits.min_light)
     first, last = np.full(day.max() + 1, len(poa)), np.full(day.max() + 1, -1)
     np.minimum.at(first, day[lit], lit)
     np.maximum.at(last, day[lit], lit)
@@ -210,8 +210,8 @@ def middles(
     step : float
         Usual time between rows. [s]
     limits : Limits
-        ``light``, ``bright``, ``shortest_night`` and ``few_share``, the share of a day
-        that may be missing.
+        ``min_light``, ``min_bright_irradiance``, ``min_night`` and
+        ``max_accident_share``, the share of a day that may be missing.
 
     Returns
     -------
@@ -220,7 +220,7 @@ def middles(
     middle : numpy.ndarray, shape (days,)
         Half way between first and last light, from the begin of its day. [s]
     """
-    if not len(lit := np.flatnonzero(poa > limits.light)):
+    if not len(lit := np.flatnonzero(poa > limits.min_light)):
         return np.zeros(0, dtype=int), np.zeros(0)
     day = np.floor(seconds / DAY).astype(int)
     rows = np.bincount(day, np.isfinite(poa))
@@ -233,14 +233,16 @@ def middles(
     )
     # what is lost of a day may be its first or last light
     lost = 1.0 - rows[of_lit] * step / DAY
-    whole = (highest > limits.bright) & (lost < limits.few_share)
-    whole &= DAY - (fall - rise) > limits.shortest_night  # False where one is NaN
+    whole = (highest > limits.min_bright_irradiance) & (
+        lost < limits.max_accident_share
+    )
+    whole &= DAY - (fall - rise) > limits.min_night  # False where one is NaN
     return of_lit[whole], ((rise + fall) / 2 - of_lit * DAY)[whole]
 
 
 def longest(day: np.ndarray, seconds: np.ndarray, limits: Limits) -> np.ndarray:
     """Lit rows of the longest part of each day's light, of those a night apart."""
-    new = np.diff(seconds) > limits.shortest_night
+    new = np.diff(seconds) > limits.min_night
     new |= np.diff(day) > 0
     part = np.append(0, np.cumsum(new))
     rows = np.bincount(part)
@@ -256,8 +258,8 @@ def edge(
 ) -> np.ndarray:
     """When light begins or ends, between a lit row and the adjacent dark one. [s]"""
     dark = np.clip(lit + way, 0, len(poa) - 1)
-    change, rest = poa[lit] - poa[dark], poa[lit] - limits.light
-    there = poa[dark] <= limits.light  # no edge in a polar day, nor next to a gap
+    change, rest = poa[lit] - poa[dark], poa[lit] - limits.min_light
+    there = poa[dark] <= limits.min_light  # no edge in a polar day, nor next to a gap
     part = np.divide(rest, change, out=np.full(len(lit), np.nan), where=there)
     return seconds[lit] + part * (seconds[dark] - seconds[lit])
 

@@ -67,7 +67,7 @@ def daily_sums(
     module : numpy.ndarray, shape (rows,)
         Temperature of the module. [°C]
     limits : Limits
-        ``farthest_clock`` is the reach of the lags, with 45 min more.
+        ``max_onset_shift`` is the reach of the lags, with 45 min more.
 
     Returns
     -------
@@ -96,7 +96,7 @@ def daily_sums(
     apart = np.flatnonzero(np.diff(number) > 1) + 1
     x = changes(came, step, apart * count).reshape(-1, count)
     y = changes(fold(module)[:, -1], step, apart * count).reshape(-1, count)
-    reach = int((limits.farthest_clock + AFTER) / step)
+    reach = int((limits.max_onset_shift + AFTER) / step)
     # daily transforms are small and alike on any number of cores
     length = next_fast_len(count + reach, real=True)
     fx, fy = rfft(x, length), rfft(y, length)
@@ -203,8 +203,8 @@ def measured_blocks(sums: Sums, changes: list, limits: Any) -> list:
     changes : list of int
         Places of days at which the clock jumps, in order; no block is across one.
     limits : Limits
-        ``block_number`` and ``longest_block`` give the length of the blocks,
-        ``clear_peak`` and ``sensor_slack`` which are kept.
+        ``onset_blocks`` and ``max_block_days`` give the length of the blocks,
+        ``min_peak_ratio`` and ``onset_tolerance`` which are kept.
 
     Returns
     -------
@@ -213,7 +213,9 @@ def measured_blocks(sums: Sums, changes: list, limits: Any) -> list:
         ``seconds``, its middle since the first row; ``late``, the onset, positive if
         the module is late, and its ``stderr`` [s]; ``coarse``, the onset in rows.
     """
-    length = np.clip(len(sums) / limits.block_number, FEWEST_DAYS, limits.longest_block)
+    length = np.clip(
+        len(sums) / limits.onset_blocks, FEWEST_DAYS, limits.max_block_days
+    )
     blocks = []
     for first, end in pairwise([0, *changes, len(sums)]):
         parts = np.array_split(
@@ -231,7 +233,7 @@ def measure(sums: Sums, days: np.ndarray, limits: Any) -> dict | None:
     coarse = int(np.argmax(height)) - sums.reach
     # a clear sky's answer has no peak that stands out
     scatter = 1.4826 * np.median(np.abs(height))
-    clear = height.max() > limits.clear_peak * scatter > 0
+    clear = height.max() > limits.min_peak_ratio * scatter > 0
     if len(days) < FEWEST_DAYS or not clear:
         return None
     first = max(coarse - round(BEFORE / sums.step) - 2, -sums.reach)
@@ -258,7 +260,7 @@ def measure(sums: Sums, days: np.ndarray, limits: Any) -> dict | None:
     if not weights.any():
         return None
     stderr, information = error(sums, days, lags, onset, weights, normal)
-    if not stderr < sums.step + limits.sensor_slack:
+    if not stderr < sums.step + limits.onset_tolerance:
         return None
     middle = np.average(sums.begin(days), weights=information) + sums.day / 2
     return dict(day=days[0], seconds=middle, late=onset, stderr=stderr, coarse=coarse)

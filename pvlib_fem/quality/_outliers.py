@@ -21,8 +21,9 @@ def apart(codes: np.ndarray, rest: np.ndarray, limits: Limits) -> np.ndarray:
     rest : numpy.ndarray, shape (rows,)
         Its other values, without NaN.
     limits : Limits
-        A positive code is ``far`` times as large as all of these, in size, and they
-        are no switch; a negative one is ``far`` times below the lowest, or below 0.
+        A positive code is ``min_fill_ratio`` times as large as all of these, in size,
+        and they are no switch; a negative one is ``min_fill_ratio`` times below the
+        lowest, or below 0.
 
     Returns
     -------
@@ -32,9 +33,9 @@ def apart(codes: np.ndarray, rest: np.ndarray, limits: Limits) -> np.ndarray:
     if not len(rest):
         return codes
     low, high = rest.min(), rest.max()
-    above = codes >= limits.far * max(abs(low), abs(high))
+    above = codes >= limits.min_fill_ratio * max(abs(low), abs(high))
     above &= not few(rest, limits)  # a switch may be on at any number
-    below = (codes < 0) & (codes <= limits.far * min(low, 0.0))
+    below = (codes < 0) & (codes <= limits.min_fill_ratio * min(low, 0.0))
     return codes[above | below]
 
 
@@ -47,7 +48,7 @@ def few(values: np.ndarray, limits: Limits) -> bool:
     values : numpy.ndarray, shape (rows,)
         Without NaN; 20,000 of them at least are compared.
     limits : Limits
-        A switch has less than ``few_values``.
+        A switch has less than ``min_known_values``.
 
     Returns
     -------
@@ -55,7 +56,7 @@ def few(values: np.ndarray, limits: Limits) -> bool:
         True of a switch.
     """
     some = values[:: max(1, len(values) // 20_000)]
-    return len(np.unique(some)) < limits.few_values
+    return len(np.unique(some)) < limits.min_known_values
 
 
 def out_of_range(name: str, values: np.ndarray) -> np.ndarray:
@@ -111,7 +112,7 @@ def slots(index: pd.DatetimeIndex, limits: Limits) -> tuple[np.ndarray, np.ndarr
     index : pandas.DatetimeIndex, shape (rows,)
         Of a zone the wall times count.
     limits : Limits
-        ``sun_slack`` is the length of a part.
+        ``daylight_tolerance`` is the length of a part.
 
     Returns
     -------
@@ -123,7 +124,7 @@ def slots(index: pd.DatetimeIndex, limits: Limits) -> tuple[np.ndarray, np.ndarr
     local = (index if index.tz is None else index.tz_localize(None)).to_numpy()
     day = local.astype("M8[D]")
     seconds = (local - day) / np.timedelta64(1, "s")
-    return day.astype("i8"), (seconds // limits.sun_slack).astype(int)
+    return day.astype("i8"), (seconds // limits.daylight_tolerance).astype(int)
 
 
 def is_light(usual: pd.DataFrame, day: Any, slot: Any, limits: Limits) -> Any:
@@ -137,16 +138,17 @@ def is_light(usual: pd.DataFrame, day: Any, slot: Any, limits: Limits) -> Any:
     day, slot : numpy.ndarray of int, shape (n,)
         Parts to look at, which ``usual`` has.
     limits : Limits
-        ``day_side`` days on either side, of which one is above ``sunny``.
+        ``daylight_window`` days on either side, of which one is above
+        ``min_sunny_irradiance``.
 
     Returns
     -------
     numpy.ndarray of bool, shape (n,)
         True for light.
     """
-    around = usual.rolling(2 * limits.day_side + 1, 1, center=True).max()
+    around = usual.rolling(2 * limits.daylight_window + 1, 1, center=True).max()
     places = around.index.get_indexer(day), around.columns.get_indexer(slot)
-    return around.to_numpy()[places] > limits.sunny
+    return around.to_numpy()[places] > limits.min_sunny_irradiance
 
 
 #: ends of a column at which its sensor, or a logger, may stop: most, and least. Light
@@ -175,7 +177,7 @@ def range_ends(name: str, values: np.ndarray, index: pd.Index, limits: Limits) -
     index : pandas.DatetimeIndex, shape (rows,)
         Its times.
     limits : Limits
-        ``few_values`` rows on ``end_days`` days at least.
+        ``min_known_values`` rows on ``min_range_end_days`` days at least.
 
     Returns
     -------
@@ -187,16 +189,16 @@ def range_ends(name: str, values: np.ndarray, index: pd.Index, limits: Limits) -
         most = (np.fmax if way > 0 else np.fmin).reduce(values)
         at = values == most
         rows = np.count_nonzero(at)
-        if rows < limits.few_values:
+        if rows < limits.min_known_values:
             continue
         size, most = way * values, way * most
-        if len(np.unique(dates_of(index[at]))) < limits.end_days:
+        if len(np.unique(dates_of(index[at]))) < limits.min_range_end_days:
             continue
         below = size[size < most]
         if few(values[np.isfinite(values)], limits) or not len(below):
             continue
         # a coarse sensor has its next value further away
-        near = min(most - limits.few_share * (most - below.min()), below.max())
+        near = min(most - limits.max_accident_share * (most - below.min()), below.max())
         if rows > np.count_nonzero(below >= near):
             found.append(float(way * most))
     return found
@@ -227,7 +229,7 @@ def at_end(
     ends : list of float
         From :func:`range_ends`.
     limits : Limits
-        ``still_time`` is the memory of the module.
+        ``response_time`` is the memory of the module.
     since : float, default -inf
         When the column was at an end before the first row, on the scale of
         ``seconds``. [s]
@@ -241,15 +243,15 @@ def at_end(
     if name == "temp_module" or not ends:
         return rows
     last = np.maximum.accumulate(np.where(rows, seconds, since))
-    return seconds - last <= limits.still_time
+    return seconds - last <= limits.response_time
 
 
 def most_jump(name: str, time: np.ndarray, limits: Limits) -> np.ndarray:
     """Change there and back within a time that may be, half of it there."""
-    most = limits.spike + FASTEST[name] * time / 2.0
+    most = limits.min_spike + FASTEST[name] * time / 2.0
     if name == "temp_air":
-        short = time <= limits.still_air
-        return np.where(short, np.minimum(most, 2.0 * limits.spike), np.inf)
+        short = time <= limits.stale_air_window
+        return np.where(short, np.minimum(most, 2.0 * limits.min_spike), np.inf)
     return most
 
 
@@ -270,7 +272,8 @@ def jumps(
     seconds : numpy.ndarray, shape (rows,)
         Times of the rows. [s]
     limits : Limits
-        ``spike``, ``still_air`` and ``few_rows``, the most rows of one jump.
+        ``min_spike``, ``stale_air_window`` and ``max_accident_rows``, the most rows of
+        one jump.
 
     Returns
     -------
@@ -281,12 +284,12 @@ def jumps(
     known = np.isfinite(values)
     x = values if known.all() else values[known]
     # no jump there and back without one there, of which there are few
-    step, least = np.diff(x), limits.spike
+    step, least = np.diff(x), limits.min_spike
     begin = np.flatnonzero(outside(step, -least, least))
     if not len(begin):
         return result
     there = np.flatnonzero(known)
-    for rows in range(1, limits.few_rows + 1):
+    for rows in range(1, limits.max_accident_rows + 1):
         begin = begin[begin + rows + 1 < len(x)]
         first, end = x[begin], begin + rows + 1
         limit = most_jump(name, seconds[there[end]] - seconds[there[begin]], limits)

@@ -95,7 +95,7 @@ def refuse_share(
     name: str, share: float, value: float, time: pd.Timestamp, limits: Limits
 ) -> None:
     """Refuse a column of which too large a share cannot be, as ``value`` cannot."""
-    if share > limits.most_impossible:
+    if share > limits.max_impossible_share:
         low, high, unit = possible(name)
         raise ValueError(
             f"{100 * share:.0f} % of {name} is physically impossible (outside {low:g} "
@@ -134,7 +134,7 @@ class Screener:
                 self.note(kind, name, *one.rows_of(kind))
         for name, one in self.ruled():
             if possible(name) is None:  # of which a lone one is a spike
-                far = self.limits.far**3
+                far = self.limits.min_fill_ratio**3
                 self.note("spike", name, *one.beyond(self.clean, sample[name], far, 1))
         if "poa_global" in self.tested and "poa_global" not in self.doubts:
             self.light_by_night()
@@ -220,7 +220,7 @@ class Screener:
         sample, again = self.sampled(), False
         for name, one in self.ruled():
             if one.known:
-                far = limits.far**2, limits.few_rows
+                far = limits.min_fill_ratio**2, limits.max_accident_rows
                 far = one.beyond(self.clean, sample[name], *far)
                 self.note("fill value", name, *far)
                 again |= len(far[0]) > 0

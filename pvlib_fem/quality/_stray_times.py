@@ -17,14 +17,16 @@ def refuse_stray(index: Any, limits: Any) -> None:
     index : pandas.DatetimeIndex, shape (rows,)
         Sorted times of a record.
     limits : Limits
-        ``stray_gap`` and ``few_share``.
+        ``min_stray_gap`` and ``max_accident_share``.
 
     Raises
     ------
     ValueError
         If there are such rows.
     """
-    gap = np.timedelta64(int(limits.stray_gap), "s")  # in ns too long a gap overflows
+    gap = np.timedelta64(
+        int(limits.min_stray_gap), "s"
+    )  # in ns too long a gap overflows
     times = instants(index)
     if times[-1] - times[0] <= gap:
         return
@@ -47,7 +49,7 @@ def refuse_gap(
     start, before, after : pandas.Timestamp
         Times of the first row, and of the rows on either side of the gap.
     limits : Limits
-        ``few_share`` of the rows, or one row, are few.
+        ``max_accident_share`` of the rows, or one row, are few.
 
     Raises
     ------
@@ -56,7 +58,7 @@ def refuse_gap(
     """
     early = at <= total / 2
     rows = at if early else total - at
-    if rows > max(limits.few_share * total, 1):
+    if rows > max(limits.max_accident_share * total, 1):
         return
     ends = after.to_datetime64(), before.to_datetime64()
     years = (ends[0] - ends[1]) / np.timedelta64(31_556_952, "s")

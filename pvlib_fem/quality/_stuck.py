@@ -67,7 +67,7 @@ class Standing:
         self.rows += int(np.count_nonzero(np.isfinite(values)))
         begun = np.isfinite(values[edges[:-1]])
         self.changes += int(np.count_nonzero(begun)) - int(goes_on)
-        many = np.flatnonzero(np.diff(edges) > self.limits.few_rows)
+        many = np.flatnonzero(np.diff(edges) > self.limits.max_accident_rows)
         # the first may go on from the rows before, and the last in those that follow
         many = np.union1d(many, [0, len(edges) - 2])
         first, last = edges[many], edges[many + 1] - 1
@@ -93,7 +93,9 @@ class Standing:
         end: np.ndarray,
     ) -> None:
         time = (end - begin) * self.unit
-        long = (last - first >= self.limits.few_rows) & (time > self.limits.still_time)
+        long = (last - first >= self.limits.max_accident_rows) & (
+            time > self.limits.response_time
+        )
         if long.any():
             self.found.append([x[long] for x in (value, first, last, begin, time)])
 
@@ -121,7 +123,7 @@ def most_kept(rows: int, changes: Any, limits: Limits) -> Any:
     """
     if not 0 < changes < rows:
         return 0.0
-    return np.log(limits.still_chance) / np.log1p(-changes / rows)
+    return np.log(limits.max_stuck_chance) / np.log1p(-changes / rows)
 
 
 def whole_run(value: float, rows: int, first: int, last: int, unit: float = 1.0) -> Any:
@@ -163,7 +165,7 @@ def rest_of(name: str, values: np.ndarray, limits: Limits) -> float:
     values : numpy.ndarray, shape (rows,)
         The column, or evenly taken rows of it.
     limits : Limits
-        ``light``, and ``few_share`` of the values that may be beyond.
+        ``min_light``, and ``max_accident_share`` of the values that may be beyond.
 
     Returns
     -------
@@ -171,13 +173,13 @@ def rest_of(name: str, values: np.ndarray, limits: Limits) -> float:
         In the unit of the column; NaN if its sensor does not rest.
     """
     if name == "poa_global":
-        return limits.light
+        return limits.min_light
     way = 1.0 if name in FLOWS else -1.0
     values = values[:: max(1, len(values) // SOME)]
     seen = way * values[np.isfinite(values)]
     if name not in (*FLOWS, "relative_humidity") or not len(seen):
         return np.nan
-    at = int(limits.few_share * (len(seen) - 1))
+    at = int(limits.max_accident_share * (len(seen) - 1))
     rest = np.partition(seen, at)[at]
     # where it rests it is more often than anywhere beyond, and not once
     resting = seen == rest
@@ -208,32 +210,34 @@ def seen_by(name: str, columns: dict) -> np.ndarray:
 
 def too_long(runs: Runs, limits: Limits) -> np.ndarray:
     """Repetitions that are odd for the column, or last while others move for days."""
-    return runs.odd | (runs.time > limits.calm)
+    return runs.odd | (runs.time > limits.stale_calm_window)
 
 
 def still_irradiance(
     runs: Runs, extent: Callable, steps: dict, limits: Limits
 ) -> np.ndarray:
-    night = (runs.value <= limits.light) & (runs.time <= limits.still_day)
+    night = (runs.value <= limits.min_light) & (runs.time <= limits.stale_day_window)
     # a late clock has the sun at night; frost cools a module, and snow keeps it warm
-    warm = extent("warmth", limits.farthest_clock) > limits.warmed
-    warm &= extent("temp_module", limits.farthest_clock) > limits.warmed
-    return (extent("over") > limits.warmed) & (~night | warm)
+    warm = extent("warmth", limits.max_onset_shift) > limits.min_temperature_response
+    warm &= (
+        extent("temp_module", limits.max_onset_shift) > limits.min_temperature_response
+    )
+    return (extent("over") > limits.min_temperature_response) & (~night | warm)
 
 
 def still_air(runs: Runs, extent: Callable, steps: dict, limits: Limits) -> np.ndarray:
-    moved = extent("temp_module") > limits.warmed
-    return moved & (runs.time > limits.still_air)
+    moved = extent("temp_module") > limits.min_temperature_response
+    return moved & (runs.time > limits.stale_air_window)
 
 
 def still_module(
     runs: Runs, extent: Callable, steps: dict, limits: Limits
 ) -> np.ndarray:
-    of_sun = extent("felt") > limits.bright
-    of_air = extent("temp_air") > limits.temp_slack + 2 * sum(steps.values())
-    of_air &= runs.time > limits.still_air
-    melting = (np.abs(runs.value) <= limits.temp_slack) & (
-        runs.time <= limits.still_day
+    of_sun = extent("felt") > limits.min_bright_irradiance
+    of_air = extent("temp_air") > limits.temperature_tolerance + 2 * sum(steps.values())
+    of_air &= runs.time > limits.stale_air_window
+    melting = (np.abs(runs.value) <= limits.temperature_tolerance) & (
+        runs.time <= limits.stale_day_window
     )
     return (of_sun | of_air) & ~melting
 
@@ -246,18 +250,18 @@ STILL = {
 }
 #: the limit of time of columns of which the others tell nothing
 DRIVERS = {
-    "wind_speed": "still_wind",
-    "relative_humidity": "still_day",
-    "longwave_down": "still_day",
-    "p_dc_per_area": "still_day",
-    "precipitation": "still_day",
-    "wind_direction": "calm",
+    "wind_speed": "stale_wind_window",
+    "relative_humidity": "stale_day_window",
+    "longwave_down": "stale_day_window",
+    "p_dc_per_area": "stale_day_window",
+    "precipitation": "stale_day_window",
+    "wind_direction": "stale_calm_window",
 }
 
 
 def still_driver(name: str, runs: Runs, rest: float, limits: Limits) -> np.ndarray:
     """Repetitions that none of the others explains."""
-    longest = limits.calm if name == "wind_speed" else np.inf
+    longest = limits.stale_calm_window if name == "wind_speed" else np.inf
     resting = at_rest(name, runs.value, rest)
     most = np.where(resting, longest, getattr(limits, DRIVERS[name]))
     return runs.odd & (runs.time > most)
@@ -268,8 +272,8 @@ SEEN_BY = {
     "temp_module": (("felt", ""), ("temp_air", "")),
     "poa_global": (
         ("over", ""),
-        ("warmth", "farthest_clock"),
-        ("temp_module", "farthest_clock"),
+        ("warmth", "max_onset_shift"),
+        ("temp_module", "max_onset_shift"),
     ),
     "temp_air": (("temp_module", ""),),
 }
@@ -382,7 +386,7 @@ class Extents:
             return poa
         steps[0] += self.since
         self.since = steps[there[-1] + 1 :].sum()
-        memory = self.limits.still_time / 5 / block.inputs.unit
+        memory = self.limits.response_time / 5 / block.inputs.unit
         felt = relax(poa, steps, memory, self.felt)
         self.felt = felt[there[-1]]
         return felt
@@ -399,7 +403,7 @@ class Extents:
         """What tells the extent of another column in repetitions of one."""
 
         def extent(other: str, margin: float = 0.0) -> np.ndarray:
-            key = name, other, "farthest_clock" if margin else ""
+            key = name, other, "max_onset_shift" if margin else ""
             low, high, _ = self.bounds[key]
             return np.nan_to_num(high - low)
 
@@ -431,7 +435,7 @@ def may_rest(wind: np.ndarray, rest: float, usual: float, limits: Limits) -> boo
     usual : float
         Time for which one of these rows counts. [s]
     limits : Limits
-        ``calm``, the time that is allowed.
+        ``stale_calm_window``, the time that is allowed.
 
     Returns
     -------
@@ -439,7 +443,7 @@ def may_rest(wind: np.ndarray, rest: float, usual: float, limits: Limits) -> boo
         False means that no calm is too long.
     """
     _, counts = np.unique(wind[wind <= rest], return_counts=True)
-    return counts.max(initial=0) * usual > limits.calm
+    return counts.max(initial=0) * usual > limits.stale_calm_window
 
 
 def becalmed(clean: CleanRecord, usual: float, rest: float, limits: Limits) -> list:
@@ -457,7 +461,7 @@ def becalmed(clean: CleanRecord, usual: float, rest: float, limits: Limits) -> l
     rest : float
         Value at which the anemometer rests. [m/s]
     limits : Limits
-        ``calm``, the time that is allowed.
+        ``stale_calm_window``, the time that is allowed.
 
     Returns
     -------
@@ -478,7 +482,9 @@ def becalmed(clean: CleanRecord, usual: float, rest: float, limits: Limits) -> l
         standing.add(values[there], number, lasted)
         number, elapsed, last = number + len(there), lasted[-1], times[-1]
     runs = standing.runs(rest)
-    calm = runs.some((runs.value <= rest) & (runs.time > limits.calm)).spans
+    calm = runs.some(
+        (runs.value <= rest) & (runs.time > limits.stale_calm_window)
+    ).spans
     parts, number = [[np.empty(0, int)] * 3], 0
     for block in clean.blocks(("wind_speed",)) if len(calm) else ():
         values = block["wind_speed"]

@@ -109,7 +109,7 @@ def refuse_doubtful(columns: Columns, limits: Limits | None = None) -> None:
 
 
 def often(odd: np.ndarray, limits: Limits) -> bool:
-    return np.mean(odd) > limits.few_share
+    return np.mean(odd) > limits.max_accident_share
 
 
 def unit_of_driver(
@@ -125,7 +125,7 @@ def unit_of_driver(
     values : numpy.ndarray or pandas.Series, shape (rows,)
         The column.
     limits : Limits, optional
-        ``few_values``, which a direction needs at least.
+        ``min_known_values``, which a direction needs at least.
 
     Returns
     -------
@@ -139,7 +139,7 @@ def unit_of_driver(
     if name == "relative_humidity" and 100.0 * seen.max() <= known.most:
         return "fraction"
     circle = round(np.degrees(seen.max())) <= known.most  # 2π may be rounded to 6.3
-    if name == "wind_direction" and circle and len(seen) >= limits.few_values:
+    if name == "wind_direction" and circle and len(seen) >= limits.min_known_values:
         return "rad"
     return ""
 
@@ -225,7 +225,7 @@ def check_kelvin(seen: np.ndarray, known: Range, limits: Limits) -> str:
 
 def check_power(power: np.ndarray, poa: np.ndarray, limits: Limits) -> str:
     """What is odd of power by irradiance, in the sun."""
-    sunny = (poa > limits.sunny) & np.isfinite(power)
+    sunny = (poa > limits.min_sunny_irradiance) & np.isfinite(power)
     if not sunny.any():
         return ""
     least, most = EFFICIENCY
@@ -659,7 +659,7 @@ def oddities(
         )
     elif (
         found.wind > RANGES["wind_speed"].most
-        and inputs.seconds[-1] > limits.shortest_record
+        and inputs.seconds[-1] > limits.min_record
     ):
         yield (
             f"wind_speed is {found.wind:.1f} m/s in the mean, more than near the "

@@ -73,11 +73,14 @@ def test_coefficients_of_printed_steps_are_possible():
 
 def test_pages_state_the_thresholds_of_the_code():
     criteria, page = fem.Criteria(), prose_of(ROOT / "docs" / "guide" / "honesty.md")
-    gain, share = f"`min_gain`, {criteria.min_gain:g} K", 100 * criteria.min_share
-    assert f"{gain}, and {share:g} % of the mean square (`min_share`)" in page
-    assert f"a probability of at least {100 * criteria.probability:.0f} %" in page
-    assert f"Below {criteria.enough_days} days nothing is named" in page
-    assert f"a probability of {one_in(criteria.outside)}" in page
+    gain, share = (
+        f"`min_rmse_reduction`, {criteria.min_rmse_reduction:g} K",
+        100 * criteria.min_error_share,
+    )
+    assert f"{gain}, and {share:g} % of the mean square (`min_error_share`)" in page
+    assert f"a probability of at least {100 * criteria.min_probability:.0f} %" in page
+    assert f"Below {criteria.min_days} days nothing is named" in page
+    assert f"a probability of {one_in(criteria.outside_probability)}" in page
     number = len(fields(criteria)) - 1  # limits are Limits
     assert f"all {number} thresholds" in joined(text_of(ROOT / "CHANGELOG.md"))
 

@@ -17,7 +17,7 @@ from pvlib_fem.simulator import PHYSICS
 
 #: quick to search, with a cause that no column follows
 WORLD = dict(effects=PHYSICS | {"sky_radiation": 1.0}, days=150, step=1800.0)
-CHANCE = fem.Criteria().episode_chance
+CHANCE = fem.Criteria().max_episode_chance
 
 
 def world(seed=0, **changed):

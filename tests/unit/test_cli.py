@@ -287,7 +287,7 @@ def test_a_fit_has_a_page_of_its_own(plant_file, tmp_path):
 
 
 def test_a_gain_can_be_asked_for(plant_file):
-    asked = call("loop", plant_file, *PLANT, "--min-gain", 50)
+    asked = call("loop", plant_file, *PLANT, "--min-rmse-reduction", 50)
     assert asked.exit_code == 0
     assert "\n+ wind_direction" not in asked.output and "identified" not in asked.output
 
@@ -436,7 +436,7 @@ def test_fit_and_loop_take_the_same_options():
         for name in ("fit", "loop")
     )
     assert set(fit) - set(loop) == {"dynamics", "method", "calm_wind", "plot"}
-    extra = {"min_gain", "corrected", "resolve", "details", "ceiling"}
+    extra = {"min_rmse_reduction", "corrected", "resolve", "details", "ceiling"}
     assert set(loop) - set(fit) == extra
     both = set(fit) & set(loop) - {"model"}
     assert both

@@ -42,10 +42,10 @@ PACKAGE = Path(pvlib_fem.__file__).parent
     ],
 )
 def test_a_check_passes_at_its_threshold(statistic, most, passed):
-    check = Check("gain", "min_gain", statistic, 0.15, most, "K")
+    check = Check("gain", "min_rmse_reduction", statistic, 0.15, most, "K")
     assert check.passed is passed
     assert ("FAILED" in str(check)) is not passed
-    assert "min_gain" in str(check) and "0.15 K" in str(check)
+    assert "min_rmse_reduction" in str(check) and "0.15 K" in str(check)
 
 
 def test_the_first_failure_is_the_rule_that_decided():

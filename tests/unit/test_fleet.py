@@ -566,9 +566,11 @@ def test_the_command_does_the_same(folder, tmp_path):
     assert "4 done" in page.read_text("utf-8")
     same = fleet.run(folder / "systems.csv", tmp_path, "fit", workers=0, model="faiman")
     assert bits(out) == bits(same.out)
-    refused = CliRunner().invoke(cli.main, [*map(str, command), "--min-gain", "1"])
+    refused = CliRunner().invoke(
+        cli.main, [*map(str, command), "--min-rmse-reduction", "1"]
+    )
     assert refused.exit_code == 1
-    assert "the task fit has no option min_gain" in refused.output
+    assert "the task fit has no option min_rmse_reduction" in refused.output
 
 
 def test_a_table_of_which_nothing_can_be_done_ends_with_an_error(folder, tmp_path):

@@ -312,10 +312,10 @@ def test_every_limit_says_what_it_is_and_its_unit():
 
 def test_limits_are_an_argument_and_checked():
     data = simulated({"stuck": 1.0}, 30, 60.0, 1)
-    found = check(checked(data), limits=Limits(still_time=86400.0))
+    found = check(checked(data), limits=Limits(response_time=86400.0))
     assert found.faults == {}
-    with pytest.raises(ValueError, match="still_time = 0 must be more than 0"):
-        Limits(still_time=0)
+    with pytest.raises(ValueError, match="response_time = 0 must be more than 0"):
+        Limits(response_time=0)
 
 
 # times

@@ -489,15 +489,15 @@ def test_every_finding_keeps_the_rules_it_was_asked(two):
         if finding.added:
             assert all(check.passed for check in finding.checks)
             asked = {check.criterion for check in finding.checks}
-            assert {"probability", "min_gain"} <= asked
+            assert {"min_probability", "min_rmse_reduction"} <= asked
     content = json.loads(loop.to_json())
-    assert content["criteria"]["probability"] == 0.95
+    assert content["criteria"]["min_probability"] == 0.95
     assert content["findings"][0]["checks"][0]["passed"] is True
 
 
 def test_a_criterion_is_a_number_above_nothing_and_is_documented():
     with pytest.raises(ValueError, match="prior = 0 must be more than 0"):
-        fem.Criteria(prior=0)
+        fem.Criteria(prior_odds=0)
     documented = inspect.getdoc(fem.Criteria)
     for field in fields(fem.Criteria):
         row = rf"^(\w+, )*{field.name}(, \w+)* : "

@@ -1,5 +1,6 @@
 """Names that have changed: the old one works, and says what to write."""
 
+import dataclasses
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -25,6 +26,7 @@ from pvlib_fem._renamed_effects import in_new_names
 from pvlib_fem._stored import Stored, plain
 from pvlib_fem.effects import CHANGES, find
 from pvlib_fem.fleet._systems_table import opened, systems_of
+from pvlib_fem.quality import Limits
 from pvlib_fem.reasons import Reason, because
 
 NOW = "p_dc is called p_dc_per_area now.*power_dc for W of a module or a plant"
@@ -288,3 +290,40 @@ def test_outcomes_and_trials_have_their_old_names_until_the_next_release():
         with pytest.warns(FutureWarning, match="is called"):
             again = Stored(old, "old.json").whole(type(one))
         assert plain(again) == content
+
+
+@pytest.mark.parametrize(
+    ("kind", "old", "new", "value"),
+    [
+        (fem.Criteria, "min_gain", "min_rmse_reduction", 0.3),
+        (fem.Criteria, "enough_days", "min_days", 90),
+        (Limits, "calm", "stale_calm_window", 3600.0),
+    ],
+)
+def test_thresholds_have_their_old_names_until_the_next_release(kind, old, new, value):
+    with pytest.warns(FutureWarning, match=rf"argument {old} is called {new} now"):
+        given = kind(**{old: value})
+    assert given == kind(**{new: value}) != kind()
+    with pytest.warns(FutureWarning, match=rf"{kind.__name__}.{old} is called {new}"):
+        assert getattr(given, old) == value
+    with pytest.raises(TypeError, match="give one of them"):
+        kind(**{old: value, new: value})
+    content = plain(given)
+    content[old] = content.pop(new)
+    with pytest.warns(FutureWarning, match=rf"{old} is called {new}"):
+        assert Stored(content, "old.json").whole(kind) == given
+
+
+def test_every_old_threshold_has_a_field():
+    for kind in (fem.Criteria, Limits):
+        fields = {one.name for one in dataclasses.fields(kind)}
+        assert kind.renamed_in_file
+        assert {*kind.renamed_in_file.values()} <= fields
+        assert not {*kind.renamed_in_file} & fields
+
+
+def test_the_loop_takes_its_old_argument():
+    data = fem.datasets.synthetic(days=10, step=1800)
+    with pytest.warns(FutureWarning, match="min_gain is called min_rmse_reduction now"):
+        loop = fem.close_loop(data, min_gain=0.4)
+    assert loop.criteria.min_rmse_reduction == 0.4

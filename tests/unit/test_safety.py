@@ -232,7 +232,10 @@ def test_hours_far_from_the_suns_are_said(usual, plain):
             "surface_tilt as Series need the times of the record",
         ),
         (dict(surface_azimuth="south"), "surface_azimuth is 'south'; give one number"),
-        (dict(min_gain=np.nan), "min_gain = nan must be more than 0"),
+        (
+            dict(min_rmse_reduction=np.nan),
+            "min_rmse_reduction = nan must be more than 0",
+        ),
     ],
 )
 def test_what_is_no_place_is_refused_with_the_remedy(usual, options, message):

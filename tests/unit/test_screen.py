@@ -480,7 +480,7 @@ def test_limits_are_an_argument(record):
     jump = record["temp_air"].where(np.arange(len(record)) != 200, 60.0)
     data = record.assign(temp_air=jump)
     assert kinds(fem.screen_record(data)) == [("temp_air", "spike", 1)]
-    tolerant = Limits(spike=99.0)
+    tolerant = Limits(min_spike=99.0)
     assert fem.screen_record(data, tolerant).counts.empty
     assert any("jumps and returns" in note for note in fit(data).notes)
     assert not any("jumps" in note for note in fit(data, limits=tolerant).notes)

@@ -183,7 +183,9 @@ def test_noise_is_rarely_taken_for_an_effect():
         rest = noise(random, len(days), 0.9)
         made = design(rest, columns, days, hours, own=["rain"])
         made = replace(made, changing=(CHANGES["module_offset_step"],))
-        selection = Selection(made, replace(CRITERIA, min_gain=1e-3, min_share=1e-6))
+        selection = Selection(
+            made, replace(CRITERIA, min_rmse_reduction=1e-3, min_error_share=1e-6)
+        )
         found += [one.top.name for one in selection.run()]
     assert len(found) <= 2
 
@@ -339,7 +341,7 @@ def test_every_finding_holds_a_cause_outside_and_its_shares_are_one():
             (n for n in shares if n != OUTSIDE), key=shares.get
         )
         held = sum(shares[n] for n in (*finding.candidates,))
-        sure = loop.criteria.probability
+        sure = loop.criteria.min_probability
         assert (finding.verdict == "identified") == (shares[finding.effect] >= sure)
         if finding.verdict == "identified":
             assert finding.candidates == (finding.effect,)
@@ -402,11 +404,11 @@ def test_an_effect_is_surer_beside_a_pattern_that_is_known():
     known = random_effects(made, [1], plain.least)
     assert known
     known = replace(plain, noise=tuple(known), known={})
-    one = Candidate(made.effects["sky_radiation"], (2,), np.log(CRITERIA.prior))
+    one = Candidate(made.effects["sky_radiation"], (2,), np.log(CRITERIA.prior_odds))
     before, after = (s.score(one, [1]) for s in (plain, known))
     assert after.null[0, 0] < 0.5 * before.null[0, 0]
     assert after.seen[0] == pytest.approx(0.2, abs=4 * np.sqrt(after.null[0, 0]))
-    assert after.probability > max(before.probability, CRITERIA.probability)
+    assert after.probability > max(before.probability, CRITERIA.min_probability)
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 2), st.integers(1, 2))

@@ -44,7 +44,7 @@ def record():
 
 @pytest.fixture(scope="module")
 def loop(record):
-    return fem.close_loop(record, **PLACE, min_gain=0.12)
+    return fem.close_loop(record, **PLACE, min_rmse_reduction=0.12)
 
 
 @pytest.fixture(scope="module")
