@@ -20,6 +20,7 @@ BETTER = 4.0  # times as much, than one at which it stands
 FEWEST = 2  # clear days in one plane
 ALIKE = 10.0  # ° within which planes of several days are one
 FEWEST_ROWS = 10  # of a day with the sun up
+BETWEEN = np.linspace(0.0, 1.0, 11)  # of the way from a plane to the next
 
 
 @dataclass(frozen=True)
@@ -128,11 +129,9 @@ def standing_of(
     days = np.unique(dates[rows])
     sky = Sky.of(poa[rows], zenith[rows], azimuth[rows], dates[rows], location)
     moving = residual_by_day(sky, at_rows(angles, rows))
-    planes = np.array([residual_by_day(sky, plane) for plane in axis.planes(turns)])
-    best = planes.min(axis=0)
+    best, at = nearest_by_day(sky, axis.planes(turns), turns)
     stands = (best < CLEAR) & (moving > np.maximum(ANOTHER, BETTER * best))
     moves = (moving < CLEAR) & ~stands
-    at = turns[planes.argmin(axis=0)]
     return tuple(
         described(sky, axis, days, some, at, moving, *edges)
         for some, *edges in runs(days, stands, moves, at)
@@ -142,12 +141,58 @@ def standing_of(
 def residual_by_day(sky: Any, plane: Any) -> Any:
     """Relative residual of each day against a clear sky in a plane. [-]"""
     modelled = sky.on_plane(plane)
-    whole, square, both = (
-        np.bincount(sky.day, column)
-        for column in (sky.poa**2, modelled**2, sky.poa * modelled)
-    )
+    columns = sky.poa**2, modelled**2, sky.poa * modelled
+    return relative_residual(*(np.bincount(sky.day, column) for column in columns))
+
+
+def relative_residual(whole: Any, square: Any, both: Any) -> Any:
+    """Residual of a light with a scale of its own, by the sums of their products."""
     square_residual = whole - both**2 / np.maximum(square, 1e-9)
     return np.sqrt(np.maximum(square_residual, 0.0) / np.maximum(whole, 1e-9))
+
+
+def nearest_by_day(sky: Any, planes: Any, turns: Any) -> tuple[Any, Any]:
+    """
+    Least relative residual of each day in any plane of an axis, and the rotation.
+
+    Between two planes the light is linear in the rotation. A clear day 5° from the
+    nearest plane that is tried would leave as much as a day that is not clear.
+
+    Parameters
+    ----------
+    sky : Sky
+    planes : array, shape (planes, 2)
+        Tilt and azimuth of each. [°]
+    turns : array, shape (planes,)
+        Rotation of each about the axis. [°]
+
+    Returns
+    -------
+    residual, turn : array, shape (days,)
+        [-], [°]
+    """
+
+    def by_day(column: Any) -> Any:
+        return np.bincount(sky.day, column)
+
+    whole = by_day(sky.poa**2)
+    best, at = np.full(len(whole), np.inf), np.full(len(whole), turns[0])
+    light = sky.on_plane(planes[0])
+    square, both = by_day(light**2), by_day(sky.poa * light)
+    for i, plane in enumerate(planes[1:]):
+        after = sky.on_plane(plane)
+        crossed = by_day(light * after)
+        squares, boths = by_day(after**2), by_day(sky.poa * after)
+        for share in BETWEEN:
+            rest = 1.0 - share
+            products = rest**2 * square + 2.0 * rest * share * crossed
+            products += share**2 * squares
+            residual = relative_residual(whole, products, rest * both + share * boths)
+            turn = rest * turns[i] + share * turns[i + 1]
+            at = np.where(residual < best, turn, at)
+            best = np.minimum(residual, best)
+        light, square, both = after, squares, boths
+    return best, at
 
 
 def runs(days: Any, stands: Any, moves: Any, at: Any) -> Iterator:

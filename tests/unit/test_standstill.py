@@ -16,14 +16,16 @@ from pvlib_fem._record.inputs import read
 from pvlib_fem.drivers import completed, geometry
 from pvlib_fem.drivers._solar import on_plane
 from pvlib_fem.effects import find
-from pvlib_fem.effects._standstill import find_standstill, rotations
+from pvlib_fem.effects._standstill import Axis, find_standstill, rotations
 from pvlib_fem.effects._time_profiles import number
-from pvlib_fem.quality._tracker_standstill import standing_of
+from pvlib_fem.quality._plane import Sky
+from pvlib_fem.quality._tracker_standstill import nearest_by_day, standing_of
 from pvlib_fem.reasons import Reason
 from pvlib_fem.simulator import PHYSICS, RHINE, Stuck, Tracker
 
 WHERE = Location(RHINE.latitude, RHINE.longitude, tz=RHINE.tz)
 USUAL = [*COLUMNS, "surface_tilt", "surface_azimuth"]
+ANGLES = ("zenith", "azimuth")
 STUCK = {"tracker_stuck": 1.0}
 
 
@@ -348,6 +350,23 @@ def test_light_of_the_described_plane_is_no_standstill(effects):
     data = tracking(Stuck(), *effects, seed=5, clear_share=0.6)
     loop = fem.close_loop(data[USUAL], location=WHERE)
     assert loop.standings == ()
+
+
+@pytest.mark.parametrize("angle", [-40.0, -35.0, 12.0, 17.5])
+def test_the_plane_of_a_day_is_between_those_that_are_tried(angle):
+    """A plane that is tried is up to 5° away, and would leave 7 % of a clear day."""
+    times = pd.date_range("2023-06-01", periods=5 * 96, freq="15min", tz=RHINE.tz)
+    place = geometry(times, WHERE)
+    zenith, azimuth = (place[f"solar_{name}"].to_numpy() for name in ANGLES)
+    up = zenith < 80.0
+    day = times.dayofyear.to_numpy()[up]
+    sky = Sky.of(np.ones(up.sum()), zenith[up], azimuth[up], day, WHERE)
+    planes = Axis(np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])).planes
+    sky = replace(sky, poa=0.8 * sky.on_plane(planes(np.array([angle]))[0]))
+    turns = np.linspace(-60.0, 60.0, 13)
+    residual, at = nearest_by_day(sky, planes(turns), turns)
+    assert residual.max() < 0.02
+    np.testing.assert_allclose(at, angle, atol=1.0)
 
 
 def test_light_of_a_sensor_that_is_set_wrong_is_no_standstill():
