@@ -21,6 +21,7 @@ from pvlib_fem._statistics.weekly_sums import LeastSquares, products
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._instruments import OF_NO_COEFFICIENT
+from pvlib_fem.effects._time_profiles import weights_of
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.criteria import Criteria
@@ -132,13 +133,16 @@ def misfits(
     Residual of a law along its own drivers, relative to what the best law explains.
 
     Roots of mean squares, along the measured drivers and along its own columns; of a
-    change, along the hours of the day. The residual of a law is no larger than its
+    change, along the hours of the day; of a standstill, what its days have more than
+    other days. The residual of a law is no larger than its
     relative error. That of an unknown cause, which follows the same drivers in another
     shape, is as large as what it explains.
     """
     if not fall > 0.0 or one.effect.confounder:
         return []
     rest = design.residual_given([*given, *one.beyond(given)])
+    if one.effect.turns:
+        return [float(np.sqrt(more_on_its_days(design, one.effect, rest) / fall))]
     if one.effect.sensor_fault:
         tables = [of_hours(design, one, rest)]
     else:
@@ -152,6 +156,25 @@ def misfits(
     # by a standard error less: no more than is sure
     sure = [t.variance * max(1.0 - 1.0 / max(t.errors, 1.0), 0.0) for t in tables]
     return [float(np.sqrt(variance / fall)) for variance in sure]
+
+
+def more_on_its_days(design: "Design", effect: Effect, rest: np.ndarray) -> float:
+    """
+    Mean square residual that the days of an effect have more than other days. [K²]
+
+    A standstill can be of a few days, in which no hour repeats often enough for a
+    table. If it is not what these days have, they keep a residual of their own. A
+    standard error is taken off, so that no more counts than is sure.
+    """
+    squares, rows = (
+        np.add.reduceat(column, design.first)
+        for column in (rest**2 * design.rows, design.rows)
+    )
+    there = weights_of(effect, design.dates) > 0.0
+    usual = squares[~there].sum() / max(rows[~there].sum(), 1.0)
+    more, count = (squares - usual * rows)[there], int(there.sum())
+    error = np.sqrt(np.square(more - more.mean()).sum() * count / max(count - 1, 1))
+    return max(float(more.sum() - error), 0.0) / design.count
 
 
 def of_hours(design: "Design", one: "Candidate", rest: np.ndarray) -> Table:

@@ -19,7 +19,7 @@ from pvlib_fem._loop.noise import (
 from pvlib_fem._loop.selection import Choice, Selection, existence
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import LeastSquares, alike, held_out, products
-from pvlib_fem.effects import CHANGES, EFFECTS
+from pvlib_fem.effects import CHANGES, EFFECTS, find
 from pvlib_fem.effects._time_profiles import number, weights_of
 
 START = 19_358  # 2023-01-01
@@ -268,6 +268,30 @@ def test_a_sensor_that_has_changed_does_so_at_every_hour(hours_of_day):
         assert misfit < 0.3 and outside < 0.1
     else:
         assert misfit > 1.0 and outside > 0.9
+
+
+@pytest.mark.parametrize("unlike", [0.0, 3.0])
+def test_the_days_of_a_standstill_have_no_residual_of_their_own(unlike):
+    """Light that is missing on ten days, and how much more of them it leaves open."""
+    random, (days, hours) = np.random.default_rng(8), clock(300)
+    there = (days >= 100) & (days < 110)
+    own = there * np.maximum(np.sin((hours - 6) * np.pi / 12), 0.0)
+    rest = 4.0 * own + noise(random, len(days))
+    rest += unlike * there * np.repeat(random.normal(size=300), 24)
+    stuck = find(dict(name="tracker_stuck", start="2023-04-11", end="2023-04-21"))
+    columns = {"one": np.ones(len(days)), "tracker_stuck.share": own}
+    made = design(rest, columns, days, hours)
+    made = replace(made, base=(1,), own={stuck.name: (2,)})
+    made = replace(made, effects={stuck.name: stuck})
+    selection = Selection(made, CRITERIA)
+    (one,) = (c for c in selection.candidates([1]) if c.name == stuck.name)
+    choice = Choice(one, selection.score(one, [1]), {one.name: one}, {}, {one.name: 1})
+    (misfit,) = misfits(made, one, [1], choice.fall)
+    outside = with_outside(made, choice, [1], CRITERIA).probabilities[OUTSIDE]
+    if unlike:
+        assert misfit > 0.7 and outside > 0.5
+    else:
+        assert misfit < 0.2 and outside < 0.05
 
 
 @pytest.mark.parametrize("treated", [3, 6, 50])

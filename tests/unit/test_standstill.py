@@ -128,11 +128,39 @@ def test_three_days_have_to_show_a_standstill(days):
     there = (day >= 100) & (day < 100 + days)
     rest = random.normal(0.0, 0.5, len(day)) + there * tangent
     basis = np.full((len(day), 1), len(day) ** -0.5)
-    found = find_standstill(rest, [tangent], np.array([30.0]), basis, day, 0.05)
+    even = random.uniform(2.0, 4.0, len(day))
+    planes = [tangent], even, np.array([30.0])
+    found = find_standstill(rest, *planes, basis, day, 0.05)
     if days < 3:
         assert found is None
     else:
         assert found[:3] == (30.0, 100, 100 + days)
+
+
+def lost_light():
+    """Responses to light that is lost before noon, and to light that is lost evenly."""
+    random, day = np.random.default_rng(6), np.repeat(np.arange(200), 24)
+    hour = np.tile(np.arange(24), 200)
+    bright = np.maximum(np.sin((hour - 6) * np.pi / 12), 0.0)
+    even = -6.0 * bright * np.repeat(random.uniform(0.5, 1.0, 200), 24)
+    return day, even * (hour < 12), even, random.normal(0.0, 0.5, len(day))
+
+
+def found_in(rest, before_noon, even, day):
+    basis = np.full((len(day), 1), len(day) ** -0.5)
+    return find_standstill(
+        rest, [before_noon], even, np.array([30.0]), basis, day, 0.05
+    )
+
+
+def test_light_that_is_lost_evenly_is_no_standstill():
+    """Before noon snow looks like a row that stands to the west, but not after noon."""
+    day, before_noon, even, noise = lost_light()
+    snow = (day >= 100) & (day < 109)
+    assert found_in(noise + snow * even, before_noon, even, day) is None
+    stands = (day >= 40) & (day < 46)
+    rest = noise + snow * even + stands * before_noon
+    assert found_in(rest, before_noon, even, day)[:3] == (30.0, 40, 46)
 
 
 CASES = [(-35.0, "2023-06-12", "2023-06-26"), (20.0, "2023-04-17", "2023-05-15")]

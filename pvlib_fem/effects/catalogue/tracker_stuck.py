@@ -122,7 +122,7 @@ def standing(
 
 
 class AllDays:
-    """Heat of modules that stand in each of some planes on all days."""
+    """Heat of modules that stand in each of some planes, or lose light evenly."""
 
     def __init__(self, planes: Any) -> None:
         self.planes = planes
@@ -134,10 +134,11 @@ class AllDays:
         solar_zenith: np.ndarray,
         solar_azimuth: np.ndarray,
         day: Any,
+        evenly: Any,
         **sizes: Any,
     ) -> Any:
-        """Terms of the planes, each with its share."""
-        heat = 0.0 * (poa_global + clearness)
+        """Terms of the planes, each with its share, on all days."""
+        heat = 0.0 * clearness - evenly * poa_global
         for plane, size in zip(self.planes, sizes.values()):
             if size != 0.0:
                 light = on_plane(clearness, solar_zenith, solar_azimuth, *plane)
@@ -150,10 +151,11 @@ def of_record(columns: Any, rows: Any) -> Any:
     tilt, turn = (columns[name][rows] for name in ("surface_tilt", "surface_azimuth"))
     axis, angles = rotations(tilt, turn)
     planes = axis.planes(angles)
+    names = [*(f"plane_{i}" for i in range(len(planes))), "evenly"]
     wide = Effect(
         EFFECT.name,
         AllDays(planes),
-        {f"plane_{i}": Parameter(0.0, -1.0, 1.0, "-") for i in range(len(planes))},
+        {name: Parameter(0.0, -1.0, 1.0, "-") for name in names},
         columns=DRIVERS,
         not_found=EFFECT.not_found,
     )
@@ -175,9 +177,9 @@ def scanned(
     """The effect at the angle and the dates that the residual shows, or None."""
     keys = [*wide.rows()]
     others = [column for name, column in tangents.items() if name not in keys]
-    own = [tangents[key] for key in keys]
+    *own, even = (tangents[key] for key in keys)
     basis = orthonormal(others)
-    found = find_standstill(rest, own, angles, basis, columns["day"], least)
+    found = find_standstill(rest, own, even, angles, basis, columns["day"], least)
     if found is None:
         return None
     angle, start, end, *intervals = found
