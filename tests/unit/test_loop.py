@@ -496,7 +496,7 @@ def test_every_finding_keeps_the_rules_it_was_asked(two):
 
 
 def test_a_criterion_is_a_number_above_nothing_and_is_documented():
-    with pytest.raises(ValueError, match="prior = 0 must be more than 0"):
+    with pytest.raises(ValueError, match="prior_odds = 0 must be more than 0"):
         fem.Criteria(prior_odds=0)
     documented = inspect.getdoc(fem.Criteria)
     for field in fields(fem.Criteria):
