@@ -1,5 +1,6 @@
 """Fit the FEM coefficients to a measured record, with standard errors."""
 
+import inspect
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -19,7 +20,13 @@ from pvlib_fem._loop.replacements import Replacements
 from pvlib_fem._record.column_names import ALWAYS, COLUMNS, by_own_names, with_aliases
 from pvlib_fem._record.parquet import ParquetRecord, is_data_set
 from pvlib_fem._renamed_effects import keys_in_new_names
-from pvlib_fem._spelling import LEAST_SQUARES, ShellText, argument, refusal
+from pvlib_fem._spelling import (
+    LEAST_SQUARES,
+    ShellText,
+    argument,
+    did_you_mean,
+    refusal,
+)
 from pvlib_fem._thermal.model import ThermalModel, thermal_model
 from pvlib_fem.drivers import checked_place, geometry, needed_for
 from pvlib_fem.drivers._mounts import axis_of
@@ -244,10 +251,13 @@ def refuse_columns(
     method: str = "",
 ) -> None:
     """Refuse columns in addition to a frame or files, and the paper's recipe."""
-    if any(column is not None for column in columns) or drivers:
+    given = [name for name, one in zip(COLUMNS[1:], columns) if one is not None]
+    if given := [*given, *drivers]:
+        meant = did_you_mean(list(drivers), inspect.signature(fit_fem).parameters)
         raise ValueError(
-            "columns are given in addition to a record that has them; give the record "
-            "alone, or its columns one by one"
+            f"{', '.join(given)} {'are' if len(given) > 1 else 'is'} given in addition "
+            f"to a record{meant}; give the record alone, with all drivers in its "
+            "columns (pvlib_fem.drivers.sun finds the sun), or its columns one by one"
         )
     if method == "paper":
         paper = argument("method", "paper")

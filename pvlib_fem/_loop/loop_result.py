@@ -19,11 +19,17 @@ from pvlib_fem._fitting.stand_ins import StandIn
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.loop_files import Reading, loop_content, loop_parts
-from pvlib_fem._loop.planes import with_series
+from pvlib_fem._loop.planes import is_same_plane, with_series
 from pvlib_fem._loop.predicted_patterns import Pattern, behind_patterns, errors_by
 from pvlib_fem._loop.threads import one_thread_of_trees
 from pvlib_fem._modelchain import LOOP, DynamicCellTemperature
-from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, printable, with_aliases
+from pvlib_fem._record.column_names import (
+    COLUMNS,
+    GEOMETRY,
+    printable,
+    refuse_no_frame,
+    with_aliases,
+)
 from pvlib_fem._statements.statement import Statement, as_table
 from pvlib_fem._statements.worth import energies
 from pvlib_fem._stored import opened, saved, written
@@ -310,6 +316,7 @@ class Loop:
         self, data: pd.DataFrame, correct_times: bool = True
     ) -> tuple[pd.DataFrame, np.ndarray]:
         """Correct the times of ``data``; return rows with a time, and their mask."""
+        refuse_no_frame(data)
         if self.times is None or not correct_times:
             return data, np.ones(len(data), dtype=bool)
         index, known = self.times.corrected(data.index)
@@ -378,16 +385,11 @@ class Loop:
             return plain
         found = self.fit.predict(*usual, **drivers)
         if patterns is None:
-            patterns = self.is_of(data, place)
+            patterns = is_same_plane(data, place, self.place)
         if self.patterns and patterns:
             errors = self.errors_by_pattern(data, fallback, **place)
             found = found + errors.sum(axis=1)
         return found if plain is None else found.fillna(plain)
-
-    def is_of(self, data: pd.DataFrame, place: dict[str, Any]) -> bool:
-        """Whether no other place or plane is given than that of the record."""
-        angles = {*ANGLES} & {printable(label) for label in data}
-        return not place and (not angles or self.place["mount"] is not None)
 
     def errors_by_pattern(
         self, data: pd.DataFrame, fallback: bool = False, **place: Any
@@ -449,7 +451,8 @@ class Loop:
         Returns
         -------
         DataFrame
-            A column for each effect, then for each of ``loop.patterns``. [K]
+            A column for each effect, then for each of ``loop.patterns`` unless ``data``
+            have angles of another plane. [K]
         """
         timed, known = self.timed(data, correct_times)
         usual, drivers = self.inputs(timed)
@@ -460,7 +463,8 @@ class Loop:
             without = {**fit.coefficients, **effect.start}
             part = model.predict(*usual, coefficients=without, **drivers)
             parts[effect.name] = whole - part
-        parts |= dict(self.errors_by_pattern(timed).items())
+        if is_same_plane(data, {}, self.place):
+            parts |= dict(self.errors_by_pattern(timed).items())
         return untimed(pd.DataFrame(parts, index=timed.index), data.index, known)
 
     def corrected(

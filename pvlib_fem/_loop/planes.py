@@ -5,9 +5,17 @@ from typing import Any, cast
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._record.column_names import ROTATION, numeric, printable, with_aliases
+from pvlib_fem._record.column_names import (
+    ROTATION,
+    numeric,
+    printable,
+    refuse_no_frame,
+    with_aliases,
+)
 from pvlib_fem._record.inputs import Record
+from pvlib_fem._spelling import did_you_mean
 from pvlib_fem.drivers._mounts import (
+    PLANE,
     angles_at,
     checked_column,
     checked_place,
@@ -16,6 +24,7 @@ from pvlib_fem.drivers._mounts import (
 from pvlib_fem.drivers._planes import ANGLES, AZIMUTH, TILT, ByColumns, by_rotation
 from pvlib_fem.quality._tracker_standstill import Standing, standing_of
 
+PLACE = ("location", *PLANE)  # arguments of a place
 FIXED = 1.0  # ° within which a plane is one and the same
 
 
@@ -95,8 +104,9 @@ def with_given(
     Raises
     ------
     ValueError
-        If data have a column of that name, or other times.
+        If data are no frame, have a column of that name, or other times.
     """
+    refuse_no_frame(data)
     mount = site["mount"]
     if not isinstance(mount, ByColumns):
         return data, site
@@ -133,7 +143,19 @@ def with_series(
         With the angles as columns. [°]
     dict
         The arguments that are no Series.
+
+    Raises
+    ------
+    ValueError
+        If data are no frame, or have other times than a Series; or if an argument is
+        none of a place.
     """
+    refuse_no_frame(data)
+    if unknown := [name for name in place if name not in PLACE]:
+        raise ValueError(
+            f"{unknown[0]} is no argument of a place{did_you_mean(unknown, PLACE)}; "
+            f"they are {', '.join(PLACE)}"
+        )
     series = {n: v for n, v in place.items() if isinstance(v, pd.Series)}
     if not series:
         return data, place
@@ -141,6 +163,49 @@ def with_series(
     site = {"mount": checked_place(None, **series)["mount"]}
     data = with_given(data.drop(columns=own), site)[0]
     return data, {n: v for n, v in place.items() if n not in series}
+
+
+def is_same_plane(
+    data: pd.DataFrame, place: dict[str, Any], known: dict[str, Any]
+) -> bool:
+    """
+    Whether rows have the place and the plane of a record.
+
+    Parameters
+    ----------
+    data : DataFrame
+        The rows, perhaps with the angles of their plane. [°]
+    place : dict
+        Arguments of :func:`pvlib_fem.drivers.checked_place` that are given for them.
+    known : dict
+        The place of the record.
+
+    Returns
+    -------
+    bool
+        True for rows without angles and arguments, for angles within 1° of those of
+        the record, and for any angles if the plane of the record moves.
+    """
+    if not all(is_same(name, value, known[name]) for name, value in place.items()):
+        return False
+    if known["mount"] is not None:
+        return True
+    own = {printable(label): data[label] for label in data}
+    return all(is_same(name, own[name], known[name]) for name in ANGLES if name in own)
+
+
+def is_same(name: str, value: Any, known: Any) -> bool:
+    """Whether an argument of a place, or a column of angles, is that of a record."""
+    if known is None or value is None:
+        return value is known
+    if name in ANGLES:
+        values = np.asarray(pd.Series(value).astype(float))
+        apart = np.abs(turned(name, values - known))
+        return not (apart > FIXED).any()
+    if name == "location":
+        ends = [(one.latitude, one.longitude) for one in (value, known)]
+        return ends[0] == ends[1]
+    return value == known
 
 
 def refuse_other(name: str, values: np.ndarray, given: float | None) -> None:

@@ -382,6 +382,8 @@ def as_given(name: str, value: Any, index: pd.Index | tuple) -> np.ndarray:
     if np.ma.isMaskedArray(value):
         value = np.ma.filled(value.astype(float), np.nan)
     values = value.to_numpy() if isinstance(value, pd.Series) else np.asarray(value)
+    if values.dtype.kind in "mMc":  # times, spans of time and complex numbers
+        raise not_a_number(name, values.astype(object), 0, index)
     if values.dtype.kind not in "fiub":
         for at, entry in enumerate(np.atleast_1d(values)):
             if not (isinstance(entry, (numbers.Real, Decimal)) or pd.isna(entry)):
@@ -407,12 +409,17 @@ def not_a_number(name: str, values: Any, row: Any, index: Any) -> Any:
     bad = np.flatnonzero(numeric.isna())
     row = int(bad[0]) if len(bad) else row
     entry, what = values[row], "not a number"
+    if not isinstance(entry, str):
+        return ValueError(
+            f"{name} holds {entry!r} at {at_time(index, row)}, which is {what}; give "
+            "a column of numbers"
+        )
     remedy = "pd.to_numeric(column, errors='coerce')"
     option = "give --missing TEXT for a text that stands for a missing value"
     if not len(bad):
         what, remedy = "a number as text", "pd.to_numeric(column)"
         option = "write it as a number"
-    elif isinstance(entry, str) and DECIMAL_COMMA.fullmatch(entry.strip()):
+    elif DECIMAL_COMMA.fullmatch(entry.strip()):
         what, remedy = "a number with a decimal comma", "column.str.replace(',', '.')"
         remedy += " before pd.to_numeric, or read the file with decimal=','"
         option = "give --decimal ,"

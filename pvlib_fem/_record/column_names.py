@@ -246,11 +246,7 @@ def with_aliases(data: pd.DataFrame, needed: Any = COLUMNS) -> dict:
     ValueError
         If ``data`` is no DataFrame, a name comes twice or a needed column is not there.
     """
-    if not isinstance(data, pd.DataFrame):
-        raise ValueError(
-            f"data is a {type(data).__name__}; give a DataFrame with a column of each "
-            "name"
-        )
+    refuse_no_frame(data)
     names = [printable(name) for name in data]
     if twice := [name for i, name in enumerate(names) if name in names[:i]]:
         raise ValueError(f"{twice[0]} is there twice; keep one column of each name")
@@ -263,6 +259,26 @@ def with_aliases(data: pd.DataFrame, needed: Any = COLUMNS) -> dict:
         words = f"data lack {', '.join(missing)}; they have {', '.join(columns)}"
         raise refusal(words, *of_others(missing, columns), *of_several(columns))
     return columns
+
+
+def refuse_no_frame(data: Any) -> None:
+    """
+    Refuse data that are no DataFrame.
+
+    Parameters
+    ----------
+    data : object
+
+    Raises
+    ------
+    ValueError
+        With the type that they have.
+    """
+    if not isinstance(data, pd.DataFrame):
+        raise ValueError(
+            f"data is a {type(data).__name__}; give a DataFrame with a column of each "
+            "name"
+        )
 
 
 def of_horizontal(missing: list, columns: dict) -> Iterator:

@@ -204,5 +204,9 @@ def digest(data: pd.DataFrame) -> Any:
         64 hexadecimal digits.
     """
     found = hashlib.sha256(repr([str(name) for name in data]).encode())
-    found.update(pd.util.hash_pandas_object(data).to_numpy("<u8").tobytes())
+    try:
+        values = pd.util.hash_pandas_object(data)
+    except TypeError:  # of cells such as lists, which have no hash
+        values = pd.util.hash_pandas_object(data.map(repr))
+    found.update(values.to_numpy("<u8").tobytes())
     return found.hexdigest()

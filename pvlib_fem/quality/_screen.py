@@ -9,6 +9,7 @@ import pandas as pd
 from pvlib_fem._record.clean import CleanRecord, FrameRecord
 from pvlib_fem._record.column_names import ALIASES, RENAMED, printable, with_aliases
 from pvlib_fem._record.inputs import Columns, Record, read
+from pvlib_fem._record.ranges import range_of
 from pvlib_fem.quality._limits import POSSIBLE, Limits
 from pvlib_fem.quality._screening import KINDS, Screener, sentence
 from pvlib_fem.quality._stray_times import refuse_stray
@@ -237,7 +238,7 @@ def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening
         With a DatetimeIndex and columns in pvlib's names: any of ``poa_global``
         [W/m²], ``temp_air``, ``temp_module`` [°C], ``wind_speed`` [m/s], of the
         drivers of effects, and of further ones, of which less is known. Columns that
-        are not numeric stay as they are.
+        are not numeric stay as they are, and ``notes`` name those of known quantities.
     limits : Limits, optional
         The thresholds; by default those of :class:`pvlib_fem.quality.Limits`.
 
@@ -283,7 +284,10 @@ def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening
     record, labels = of_frame(data)
     screening = screener(record, limits)
     screening.fills()
-    odd = [*oddities(screening.judged(), limits)]
+    others = [printable(label) for label in data if label not in labels.values()]
+    others = [name for name in others if range_of(name) is not None]
+    odd = [f"{name} is not numeric and was not screened" for name in others]
+    odd += oddities(screening.judged(), limits)
     clipped = screening.rules()
     odd += [f"{name} {reason}" for name, reason in screening.doubts.items()]
     screening.ends()

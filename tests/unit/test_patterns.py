@@ -103,6 +103,29 @@ def test_they_are_of_this_plant(closed):
     assert (loop.predict(data, patterns=True, **given) - found).abs().max() > 1.0
 
 
+def test_the_own_plane_in_columns_or_again_is_the_same_plane(closed):
+    data, loop = closed
+    whole = loop.predict(data)
+    assert (loop.predict(data, **PLACE) == whole).all()
+    turned = data.assign(surface_tilt=35.0, surface_azimuth=180.0)
+    assert (loop.predict(turned) == whole).all()
+    by_columns = fem.close_loop(turned, location=PLACE["location"])
+    assert by_columns.patterns
+    assert (by_columns.predict(turned) == by_columns.predict(data)).all()
+    # patterns are left out in another plane, of all three alike
+    other = turned.assign(surface_tilt=20.0)
+    apart = [loop.predict(data, patterns=False), loop.predict(other)]
+    assert (apart[0] == apart[1]).all() and (apart[0] != whole).any()
+    assert list(loop.contributions(other)) == [e.name for e in loop.fit.effects]
+
+
+@pytest.mark.parametrize("method", ["predict", "residual"])
+def test_an_argument_that_is_none_of_a_place_is_refused(closed, method):
+    data, loop = closed
+    with pytest.raises(ValueError, match=r"surface_tlit is no .* 'surface_tilt'"):
+        getattr(loop, method)(data, surface_tlit=20.0)
+
+
 def test_a_record_of_noise_has_none():
     data = record()
     base = fem.fem_temperature(

@@ -143,3 +143,43 @@ def test_the_loop_knows_pvlibs_names():
     line = fem.translate_coefficients(coefficients, "pvsyst", "faiman", "two_winds")
     for name in ("u0", "u1", "capacity"):
         assert line[name] == pytest.approx(same[name], rel=1e-3)
+
+
+@pytest.fixture(scope="module")
+def short(plant):
+    data = plant[: 288 * 30]
+    return data, fem.close_loop(data[[*COLUMNS]])
+
+
+@pytest.mark.parametrize("kind", [dict, list, np.asarray])
+@pytest.mark.parametrize(
+    "method", ["predict", "residual", "contributions", "corrected"]
+)
+def test_a_loop_refuses_what_is_no_frame(short, kind, method):
+    data, loop = short
+    with pytest.raises(ValueError, match=r"data is a .*; give a DataFrame"):
+        getattr(loop, method)(kind(data))
+    with pytest.raises(ValueError, match=r"data is a .*; give a DataFrame"):
+        fem.rank_effects(loop.fit, kind(data))
+
+
+@pytest.mark.parametrize("of", ["times", "spans", "complex"])
+def test_times_and_complex_numbers_are_no_temperature(short, of):
+    data, loop = short
+    column = {
+        "times": data.index,
+        "spans": data.index - data.index[0],
+        "complex": data["temp_air"] + 0j,
+    }[of]
+    with pytest.raises(ValueError, match=r"temp_air holds .* give a column of numbers"):
+        loop.predict(data.assign(temp_air=column))
+    with pytest.raises(ValueError, match=r"temp_air holds .* give a column of numbers"):
+        fem.fit_fem(data.assign(temp_air=column))
+
+
+def test_what_is_given_with_a_frame_is_named(short):
+    data, _ = short
+    with pytest.raises(ValueError, match=r"efects is given .*did you mean 'effects'"):
+        fem.fit_fem(data, efects=["rain"])
+    with pytest.raises(ValueError, match=r"temp_air, surface_tilt are given"):
+        fem.fit_fem(data, data["temp_air"], surface_tilt=30.0)

@@ -504,3 +504,10 @@ def test_a_column_that_is_filled_between_its_values_is_told(step, every, digits)
     line = f"temp_air is a straight line between values {minutes} min apart"
     # from minute to minute 0.1 K is no line
     assert (line in told) == ((step, digits) != (60, 1))
+
+
+def test_a_known_quantity_that_is_text_is_named():
+    data = fem.datasets.synthetic(days=3, step=600).assign(logger="ok")
+    found = fem.screen_record(data.assign(temp_air=data["temp_air"].astype(str)))
+    assert found.notes == ("temp_air is not numeric and was not screened",)
+    assert fem.screen_record(data).notes == ()
