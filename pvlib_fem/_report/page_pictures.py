@@ -77,7 +77,12 @@ def pictures(loop: "Loop") -> list[tuple[str, str]]:
             "others; rms over all days"
         )
         drawn.append(
-            draw("parts", lambda ax: plotting.plot_contributions(loop, ax), words)
+            draw(
+                "parts",
+                lambda ax: plotting.plot_contributions(loop, ax),
+                words,
+                size=(4.2, 2.7 + 0.2 * len(loop.fit.effects)),
+            )
         )
     drawn += by_month(loop.fit)
     return [*drawn, *by_wind(loop.fit, both, last, known)]

@@ -21,6 +21,7 @@ from pvlib_fem.plotting._style import (
     ink,
     label,
     new_axes,
+    outside_legend,
     polar_axes,
 )
 
@@ -108,9 +109,8 @@ def plot_by_date(
     ax.set_ylabel(words)
     dated_axis(ax)
     if len(series) > 1:
-        columns = 2 if len(series) in (2, 4) else 3
-        place: Look = dict(loc="lower center", bbox_to_anchor=(0.5, 1.0))
-        ax.legend(**place, ncols=columns, frameon=False)
+        most = 2 if len(series) in (2, 4) else 3
+        outside_legend(ax, most, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     return ax
 
 
@@ -158,7 +158,7 @@ def plot_event(
     ax.axvspan(*event, color=ink(), alpha=FAINT, linewidth=0)
     ax.set_ylabel(words)
     dated_axis(ax)
-    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
+    outside_legend(ax, 2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     return ax
 
 

@@ -179,6 +179,27 @@ def without_frame(ax: "Axes", *sides: str) -> None:
         ax.spines[side].set_visible(False)
 
 
+def outside_legend(ax: "Axes", most: int, **place: Any) -> None:
+    """
+    A legend above or below axes, no wider than their figure.
+
+    A wider one would be cut off, and a constrained layout would make the axes narrow.
+
+    Parameters
+    ----------
+    ax : matplotlib Axes
+        Axes with labelled artists.
+    most : int
+        Largest number of columns.
+    **place
+        ``loc`` and ``bbox_to_anchor`` of `matplotlib.axes.Axes.legend`.
+    """
+    for columns in range(most, 0, -1):
+        legend = ax.legend(**place, ncols=columns, frameon=False)
+        if legend.get_window_extent().width <= ax.figure.bbox.width:
+            return
+
+
 def dated_axis(ax: "Axes") -> None:
     """
     Few ticks of dates, each with what the one before it does not say.
@@ -188,9 +209,20 @@ def dated_axis(ax: "Axes") -> None:
     ax : matplotlib Axes
         Axes whose x axis has dates.
     """
-    from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
+    from matplotlib.dates import (
+        DAILY,
+        HOURLY,
+        MINUTELY,
+        MONTHLY,
+        YEARLY,
+        AutoDateLocator,
+        ConciseDateFormatter,
+    )
 
-    places = AutoDateLocator(minticks=3, maxticks=MOST_TICKS)
+    # up to three days, and up to three years, have ticks of half of them
+    halves = dict.fromkeys([MONTHLY, HOURLY, MINUTELY], MOST_TICKS + 1)
+    most = dict.fromkeys([YEARLY, DAILY], MOST_TICKS) | halves
+    places = AutoDateLocator(minticks=3, maxticks=most)
     ax.xaxis.set_major_locator(places)
     ax.xaxis.set_major_formatter(ConciseDateFormatter(places))
 

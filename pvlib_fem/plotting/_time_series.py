@@ -18,6 +18,7 @@ from pvlib_fem.plotting._style import (
     ink,
     label,
     new_axes,
+    outside_legend,
     panels,
 )
 
@@ -139,8 +140,8 @@ def plot_contributions(loop: "Loop", ax: "Axes | None" = None) -> "Axes":
     ax.set_ylabel("added by the effect [K]")
     day.dressed(ax)
     if len(parts.columns):
-        below: Look = dict(loc="upper center", bbox_to_anchor=(0.5, -0.22))
-        ax.legend(**below, ncols=1 + (len(parts.columns) > 3), frameon=False)
+        most = 1 + (len(parts.columns) > 3)
+        outside_legend(ax, most, loc="upper center", bbox_to_anchor=(0.5, -0.22))
     return ax
 
 

@@ -1,6 +1,7 @@
 """Pictures show the numbers that they are of."""
 
 import datetime
+import warnings
 from dataclasses import replace
 from itertools import pairwise
 
@@ -13,7 +14,7 @@ from matplotlib.figure import Figure
 from pvlib_fem import datasets, fit_fem, plotting
 from pvlib_fem._loop.close import close_loop
 from pvlib_fem._record.column_names import COLUMNS
-from pvlib_fem.plotting._style import LONGEST, label
+from pvlib_fem.plotting._style import LONGEST, dated_axis, label, outside_legend
 from pvlib_fem.plotting._vector import svg
 
 
@@ -478,3 +479,28 @@ def test_cups_that_read_a_little_below_zero_are_calm():
     values = np.ma.filled(cells.get_array().astype(float), np.nan).ravel()
     assert {1.0, -1.0} <= set(values[np.isfinite(values)])
     assert ax.get_ylim()[0] == 0.0
+
+
+@pytest.mark.parametrize("count", [2, 5])
+def test_a_legend_outside_the_axes_is_no_wider_than_the_figure(count):
+    figure = Figure(figsize=(4.2, 4.0), layout="constrained")
+    ax = figure.subplots()
+    for i in range(count):
+        ax.plot([0, 1], [i, i], label=f"module_sensor_contact_episode_{i}, rms 1.23 K")
+    outside_legend(ax, 3, loc="upper center", bbox_to_anchor=(0.5, -0.22))
+    figure.draw_without_rendering()
+    legend = ax.get_legend().get_window_extent()
+    assert legend.x0 >= 0.0 and legend.x1 <= figure.bbox.width
+    assert ax.get_window_extent().width > 0.7 * figure.bbox.width
+
+
+@pytest.mark.parametrize("days", [0.1, 1, 2.5, 2.9, 10, 75, 200, 700, 1000, 3000])
+def test_an_axis_of_any_length_has_some_dates_and_not_too_many(days, ax):
+    first = pd.Timestamp("2023-03-01 07:10")
+    ax.plot([first, first + pd.Timedelta(days=days)], [0.0, 1.0])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        dated_axis(ax)
+        places = ax.get_xticks()
+    low, high = ax.get_xlim()
+    assert 2 <= np.count_nonzero((places >= low) & (places <= high)) <= 7
