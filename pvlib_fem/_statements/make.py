@@ -206,7 +206,7 @@ def shares_of(finding: Finding) -> str:
 def action_of(finding: Finding, clauses: list[Clause], effects: list[Effect]) -> str:
     """What to do about a finding."""
     if finding.verdict is Verdict.AMBIGUOUS and len(clauses) > 1:
-        return f"To decide: {', or '.join(deciding(effects))}"
+        return f"To decide: {'; or '.join(deciding(effects))}"
     if finding.verdict is Verdict.HINT:
         return ""
     return clauses[0].action

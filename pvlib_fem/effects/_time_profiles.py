@@ -201,14 +201,18 @@ def dates_in_words(dates: Mapping) -> str:
     Returns
     -------
     str
-        "" without a date.
+        The first day, the days between which it is in brackets, and the last day; ""
+        without a date.
     """
-    if "end" in dates:
-        words = f"{dates['start']} until {dates['end']}"
-    else:
-        words = dates.get("at") or dates.get("since") or ""
+    words = dates.get("at") or dates.get("since") or dates.get("start") or ""
     low, high = dates.get("between") or (None, None)
-    return words + (f" ({low} to {high})" if low != high else "")
+    words += f" ({low} to {high})" if low != high else ""
+    return f"{words} until {last_day(dates['end'])}" if "end" in dates else words
+
+
+def last_day(end: str) -> str:
+    """The day before an end, which is the first day or moment after a change."""
+    return written(np.ceil(number(end)) - 1)
 
 
 def scaled_terms(effect: Effect) -> ScaledTerms:

@@ -198,7 +198,9 @@ def test_a_row_that_stands_still_is_found(angle, start, end, tmp_path):
     statement = loop.statements.iloc[0]
     way = "east" if angle < 0 else "west"
     assert "were stuck at about" in statement["text"] and way in statement["text"]
-    assert dates["start"] in statement["text"] and dates["end"] in statement["text"]
+    text = statement["text"]
+    assert dates["start"] in text and f"until {statement['until']} " in text
+    assert number(statement["until"]) == number(dates["end"]) - 1
     assert (statement["since"], statement["device"]) == (dates["start"], "tracker")
     assert "drive of the tracker" in statement["action"] or "To decide" in str(
         statement

@@ -30,6 +30,7 @@ from pvlib_fem._statements.causes import READS, SPECIAL, clause_of, reading_of
 from pvlib_fem._statements.loop_summary import LINES, WIDTH, findings
 from pvlib_fem._statements.statement import Statement
 from pvlib_fem.effects import EFFECTS
+from pvlib_fem.effects._time_profiles import dates_in_words
 
 DEVICES = {
     "poa_global": "irradiance sensor",
@@ -59,6 +60,10 @@ def test_each_fault_has_its_device_direction_and_size(true, sound, name, size): 
     assert any(word in one.text for word in (LESS if less else MORE))
     assert not any(f" {word}" in one.text for word in (MORE if less else LESS))
     assert one.device in one.text and one.action
+    if name.endswith("_episode"):  # its last day is in the table and in words
+        days = [f"{day:%Y-%m-%d}" for day in data.index[beyond.abs() > 1e-6]]
+        assert [one.since, one.until] == [days[0], days[-1]]
+        assert f"From {days[0]} until {days[-1]} " in one.text
     page, stored = html.unescape(loop.to_html()), json.loads(loop.to_json())
     (kept,) = [s for s in stored["statements"] if s["cause"] == name]
     assert kept["text"] == one.text and kept["value"] == pytest.approx(one.value)
@@ -105,6 +110,15 @@ def test_a_drift_has_the_slope_of_the_reading(true, sound):  # noqa: F811
     (one,) = found(sound, data, effect).statements.itertuples()
     assert one.unit == "%/year" and "each year since" in one.text
     assert one.value == pytest.approx(-10.0, abs=1.0)
+
+
+@pytest.mark.parametrize(
+    "end, last", [("2023-08-28", "2023-08-27"), ("2023-08-28 09:00", "2023-08-28")]
+)
+def test_the_days_between_which_a_fault_began_follow_its_first_day(end, last):
+    dates = {"start": "2023-08-07", "between": ("2023-07-31", "2023-08-10"), "end": end}
+    words = f"2023-08-07 (2023-07-31 to 2023-08-10) until {last}"
+    assert dates_in_words(dates) == words
 
 
 def test_an_ambiguous_finding_names_all_causes_and_what_would_decide(ambiguous):  # noqa: F811
