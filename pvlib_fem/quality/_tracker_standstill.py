@@ -15,8 +15,7 @@ from pvlib_fem.quality._plane import WHOLE, Sky, at_rows
 
 LOWEST = 80.0  # ° from the vertical: in winter the sun of high latitudes is no higher
 CLEAR = 0.1  # of a day's irradiance, root mean square, by which a clear day may differ
-ANOTHER = 0.2  # by which it differs from a plane that is not its own
-BETTER = 4.0  # times as much, than one at which it stands
+BETTER = 4.0  # times as much as in its own plane a day leaves in one that is not
 FEWEST = 2  # clear days in one plane
 ALIKE = 10.0  # ° within which planes of several days are one
 FEWEST_ROWS = 10  # of a day with the sun up
@@ -130,8 +129,8 @@ def standing_of(
     sky = Sky.of(poa[rows], zenith[rows], azimuth[rows], dates[rows], location)
     moving = residual_by_day(sky, at_rows(angles, rows))
     best, at = nearest_by_day(sky, axis.planes(turns), turns)
-    stands = (best < CLEAR) & (moving > np.maximum(ANOTHER, BETTER * best))
-    moves = (moving < CLEAR) & ~stands
+    stands = (best < CLEAR) & (moving > np.maximum(CLEAR, BETTER * best))
+    moves = moving < CLEAR
     return tuple(
         described(sky, axis, days, some, at, moving, *edges)
         for some, *edges in runs(days, stands, moves, at)

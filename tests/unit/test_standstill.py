@@ -363,6 +363,20 @@ def test_a_sensor_that_stands_with_the_modules_is_seen_by_its_light(
     assert again.statements["text"].iloc[0] == one["text"]
 
 
+def test_a_sensor_that_stands_level_differs_less_from_one_that_turns():
+    """By less than 20 % of a clear day, where the tracker turns by 45° at most."""
+    stuck = Stuck("2023-04-22", "2023-05-16", -3.0)
+    tracker = Tracker(max_angle=45.0, gcr=0.5, stuck=stuck)
+    site = replace(RHINE, latitude=36.0, clear_share=0.6, tracker=tracker)
+    on = PHYSICS | {"tracker_stuck_sensor": 1.0}
+    data = simulator.record(site, on, days=180, step=900.0, seed=3)
+    angles = tuple(data[name].to_numpy() for name in USUAL[-2:])
+    place = Location(site.latitude, site.longitude, tz=site.tz)
+    (found,) = standing_of(data["poa_global"], data.index, place, angles)
+    assert abs(number(found.start) - number(stuck.start)) <= 3
+    assert found.surface_tilt < 8.0 and found.before < 0.2
+
+
 def test_modules_that_go_on_are_said_not_to_stand_with_the_sensor():
     stuck = Stuck("2023-07-03", "2023-07-17", 30.0)
     data = tracking(stuck, "tracker_stuck_sensor", clear_share=0.6)
