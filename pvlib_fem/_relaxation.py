@@ -175,9 +175,9 @@ def over_nan(solve: Any) -> Any:
             return solve(target, steps, tau, *state)
         # the sample and the tau at the end of a step apply to the whole step
         steps, tau = across(steps, valid), part(tau, valid)
-        found = solve(target[valid], steps, tau, *state)
-        result = np.full((*found.shape[:-1], len(target)), np.nan)
-        result[..., valid] = found
+        response = solve(target[valid], steps, tau, *state)
+        result = np.full((*response.shape[:-1], len(target)), np.nan)
+        result[..., valid] = response
         return result
 
     return solved

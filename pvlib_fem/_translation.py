@@ -336,8 +336,8 @@ def completed(model: str, coefficients: dict) -> Any:
     """The shape of a model and its coefficients with the fixed ones."""
     if model == "ross" and "noct" in coefficients:
         model = "noct"
-    found = shape(model)
-    names = [*found.names, *found.fixed]
+    form = shape(model)
+    names = [*form.names, *form.fixed]
     if unknown := [name for name in coefficients if name not in names]:
         cell = "; deltaT leads from the back to the cell, leave it out here"
         hint = cell if "deltaT" in unknown else ""
@@ -345,13 +345,13 @@ def completed(model: str, coefficients: dict) -> Any:
             f"{model} has no coefficient {', '.join(unknown)}; it has "
             f"{', '.join(names)}{hint}"
         )
-    complete = {**found.fixed, **coefficients}
-    missing = [n for n in (*found.names, *found.fixed) if complete.get(n) is None]
+    complete = {**form.fixed, **coefficients}
+    missing = [n for n in (*form.names, *form.fixed) if complete.get(n) is None]
     if missing:
         raise ValueError(f"{model} needs {', '.join(missing)}")
     if model in STEADY_MODELS:
         STEADY_MODELS[model].complete(coefficients)
-    return found, complete
+    return form, complete
 
 
 def completed_fixed(target: str, goal: Shape, fixed: dict) -> dict:
@@ -425,5 +425,5 @@ def at_winds(
         return SUN * (goal.unbend(line[0] + second * seen) - wanted)
 
     scale = np.maximum(np.abs(begin), 1e-3)
-    found = least_squares(mismatch, begin, x_scale=scale, xtol=1e-14, ftol=1e-14).x
-    return (found[0], goal.ratio * found[0]) if goal.ratio is not None else found
+    solved = least_squares(mismatch, begin, x_scale=scale, xtol=1e-14, ftol=1e-14).x
+    return (solved[0], goal.ratio * solved[0]) if goal.ratio is not None else solved

@@ -87,14 +87,14 @@ def steady(
     if not slopes:
         return temperature, {}
     by_steady, by_loss = resistance_slopes(steady_model, own, wind, r_eq, share)
-    found = {name: added.heat * by_steady[name] for name in steady_model.parameters}
+    partials = {name: added.heat * by_steady[name] for name in steady_model.parameters}
     for name, slope in slopes.items():
-        found[name] = 0.0
+        partials[name] = 0.0
         if is_there(slope.heat):
-            found[name] = found[name] + slope.heat * r_eq
+            partials[name] = partials[name] + slope.heat * r_eq
         if is_there(slope.loss):
-            found[name] = found[name] + added.heat * by_loss * slope.loss
-    return temperature, found
+            partials[name] = partials[name] + added.heat * by_loss * slope.loss
+    return temperature, partials
 
 
 class Smooth:
@@ -172,19 +172,19 @@ def smoothed(
     if not slopes:
         return temperature, {}
     by_steady, by_loss = resistance_slopes(steady_model, own, wind.value, r_eq, share)
-    found = {name: heat.value * by_steady[name] for name in steady_model.parameters}
+    partials = {name: heat.value * by_steady[name] for name in steady_model.parameters}
     r_by_tau = by_steady["wind_speed"] * wind.by_tau
     if is_there(added.loss):
         r_by_tau = r_by_tau + by_loss * loss.by_tau
-    found["tau"] = (heat.by_tau * r_eq + heat.value * r_by_tau) / inputs.unit
+    partials["tau"] = (heat.by_tau * r_eq + heat.value * r_by_tau) / inputs.unit
     for name, slope in slopes.items():
-        found[name] = 0.0
+        partials[name] = 0.0
         if is_there(slope.heat):
-            found[name] = found[name] + heat.part(name, slope.heat) * r_eq
+            partials[name] = partials[name] + heat.part(name, slope.heat) * r_eq
         if is_there(slope.loss):
             felt = loss.part(name, slope.loss)
-            found[name] = found[name] + heat.value * by_loss * felt
-    return temperature, found
+            partials[name] = partials[name] + heat.value * by_loss * felt
+    return temperature, partials
 
 
 def balanced(
@@ -239,11 +239,11 @@ def balanced(
     def solved(name: str, source: Any) -> np.ndarray:
         return answer.spread(answer.solve(name, source))
 
-    found: dict[str, Any] = {
+    partials: dict[str, Any] = {
         name: solved(name, by_r * by_steady[name]) for name in steady_model.parameters
     }
     for name, slope in slopes.items():
-        found[name] = 0.0
+        partials[name] = 0.0
         source = 0.0
         if is_there(slope.heat):
             source = source + answer.rise * r_eq * there(slope.heat)
@@ -252,5 +252,5 @@ def balanced(
         if is_there(slope.capacity):
             source = source + fall * there(slope.capacity / added.capacity)
         if np.ndim(source):
-            found[name] = found[name] + solved(name, source)
-    return answer.spread(temperature), found
+            partials[name] = partials[name] + solved(name, source)
+    return answer.spread(temperature), partials

@@ -255,12 +255,12 @@ class ThermalModel:
         based = self if self.base else replace(self, base=coefficients)
         inputs = based.with_drivers(inputs)
         losing(self.steady_model, inputs["wind_speed"], self.own(coefficients))
-        found = self.temperature(inputs, coefficients)
+        temperature = self.temperature(inputs, coefficients)
         # a response in a gap of a driver may be a number, but it is not known
         light = inputs["poa_global"]
         known = [known_values(name, inputs[name], light) for name in columns]
         known = np.all(known, axis=0)
-        return inputs.restore(np.where(known, found, np.nan))
+        return inputs.restore(np.where(known, temperature, np.nan))
 
     def refuse_without_wind(self, columns: Collection) -> None:
         """Refuse columns without wind if something depends on it."""
@@ -306,9 +306,9 @@ class ThermalModel:
     def temperature(self, inputs: Inputs, coefficients: dict) -> np.ndarray:
         """Module temperature of checked inputs by a full set of coefficients. [°C]"""
         temperature = np.empty(len(inputs.index))
-        found = self.in_blocks(inputs, coefficients)
+        block_temperatures = self.in_blocks(inputs, coefficients)
         for block in blocks(len(temperature), ALONE):
-            temperature[block] = next(found)
+            temperature[block] = next(block_temperatures)
         return temperature
 
     def in_blocks(
@@ -325,13 +325,13 @@ class ThermalModel:
         scratch = np.zeros(min(ALONE, rows))
         for block in blocks(rows, ALONE):
             given, here = (inputs.part(block), coefficients, past), model.on(block)
-            found = scratch[: len(given[0].index)]
+            temperature = scratch[: len(given[0].index)]
             if quick:
                 seen = None if counts is None else (counts[block], np.nan)
-                answered(here, *given, seen, into=found)
+                answered(here, *given, seen, into=temperature)
             else:
-                found = here.answer(*given, wanted=False)[0]
-            yield found
+                temperature = here.answer(*given, wanted=False)[0]
+            yield temperature
 
     def slopes(
         self, inputs: Inputs, coefficients: dict, wanted: bool = True, also: Any = None
@@ -358,9 +358,9 @@ class ThermalModel:
         for block in blocks(rows):
             part, more = inputs.part(block), also and parts(also, block)
             here = model.on(block)
-            found = here.answer(part, coefficients, past, wanted, more)
-            temperature[block] = found[0]
-            for name, slope in found[1].items():
+            given = part, coefficients, past, wanted, more
+            temperature[block], block_slopes = here.answer(*given)
+            for name, slope in block_slopes.items():
                 if name not in slopes:
                     slopes[name] = np.empty(rows)
                 slopes[name][block] = slope

@@ -63,18 +63,18 @@ def model_of(stored: Stored, own: Any = ()) -> Any:
         base = coefficients_of(stored, "base", thermal_model(*names, those))
     fixed = stored.read("fixed", dict[str, float])
     model = thermal_model(*names, effects, base, fixed)
-    found = coefficients_of(stored, "coefficients", model)
+    coefficients = coefficients_of(stored, "coefficients", model)
     for name, value in fixed.items():
-        if found.get(name) != value:
+        if coefficients.get(name) != value:
             raise ValueError(
                 f"{stored.file}: {stored.place}fixed.{name} is {value:g}, and "
-                f"coefficients.{name} is {found.get(name, 'not there')}"
+                f"coefficients.{name} is {coefficients.get(name, 'not there')}"
             )
     if "stderr" in stored.content:  # of a fit, and not of a model alone
         errors = stored.read("stderr", dict[str, AnyFloat])
         if missing := [name for name in model.parameters if name not in errors]:
             raise ValueError(f"{stored.file} has no {stored.place}stderr.{missing[0]}")
-    return model, found
+    return model, coefficients
 
 
 def effect_of(spec: str | dict, own: list, stored: Stored) -> Effect:
@@ -90,13 +90,13 @@ def effect_of(spec: str | dict, own: list, stored: Stored) -> Effect:
 
 def coefficients_of(stored: Stored, key: str, model: ThermalModel) -> dict:
     """The coefficients of a file, checked to be the complete set of the model."""
-    found = stored.read(key, dict[str, float])
+    coefficients = stored.read(key, dict[str, float])
     least = {*model.parameters}
     most = {*least, *model.steady_model.fixed}
     most |= {"tau"} if model.dynamics == "steady" else set()
-    if missing := [name for name in model.parameters if name not in found]:
+    if missing := [name for name in model.parameters if name not in coefficients]:
         raise ValueError(f"{stored.file} has no {stored.place}{key}.{missing[0]}")
-    if unknown := [name for name in found if name not in most]:
+    if unknown := [name for name in coefficients if name not in most]:
         raise ValueError(
             f"{stored.file}: {stored.place}{key}.{unknown[0]} is no coefficient of "
             f"{model.steady_model.name}, {model.dynamics}"
@@ -104,13 +104,13 @@ def coefficients_of(stored: Stored, key: str, model: ThermalModel) -> dict:
     for name, row in model.parameters.items():
         # the paper's regression has no bounds, but its results stay close to them
         span = row.upper - row.lower
-        if not row.lower - span <= found[name] <= row.upper + span:
+        if not row.lower - span <= coefficients[name] <= row.upper + span:
             raise ValueError(
-                f"{stored.file}: {stored.place}{key}.{name} is {found[name]:g} "
+                f"{stored.file}: {stored.place}{key}.{name} is {coefficients[name]:g} "
                 f"{row.unit}, where {row.lower:g} to {row.upper:g} belongs"
             )
     try:
-        model.checked(found)
+        model.checked(coefficients)
     except ValueError as error:
         raise ValueError(f"{stored.file}: {stored.place}{key}: {error}") from error
-    return found
+    return coefficients
