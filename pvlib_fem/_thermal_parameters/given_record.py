@@ -76,11 +76,12 @@ class Measured:
     def modelled(self) -> tuple[np.ndarray, np.ndarray, dict]:
         """Temperature of the fit, and the steady temperature with its slopes."""
         model = self.fit.thermal_model
-        found = model.completed(self.fit.coefficients)
-        steady, slopes = replace(model, dynamics="steady").slopes(self.inputs, found)
+        completed = model.completed(self.fit.coefficients)
+        without_memory = replace(model, dynamics="steady")
+        steady, slopes = without_memory.slopes(self.inputs, completed)
         own = [*model.steady_model.parameters, "bias"]
         free = {name: slopes[name] for name in own if name not in model.held}
-        return model.temperature(self.inputs, found), steady, free
+        return model.temperature(self.inputs, completed), steady, free
 
     @cached_property
     def known_effects(self) -> Any:
@@ -98,11 +99,11 @@ class Measured:
         if not model.effects:
             return 0.0
         if key not in self.known_effects:
-            found = model.completed(coefficients)
+            completed = model.completed(coefficients)
             steady = replace(model, dynamics="steady")
             plain = replace(steady, effects=())
             added, without = (
-                m.temperature(self.inputs, found) for m in (steady, plain)
+                m.temperature(self.inputs, completed) for m in (steady, plain)
             )
             weight = self.record["poa_global"][self.counts] ** 2
             change = (added - without)[self.counts]

@@ -64,15 +64,15 @@ def nmot_rows(measured: Any, why: str, surface_tilt: Any = None) -> Iterator:
     ------
     Row
     """
-    found = None if measured is None else procedure(measured, surface_tilt)
+    result = None if measured is None else procedure(measured, surface_tilt)
     units = {"NMOT": "°C", "u0": "W/(m² K)", "u1": "W s/(m³ K)"}
     for name, unit in units.items():
         value, error, days, note = np.nan, np.nan, np.inf, why
-        if found is not None:
-            value = found.values.get(name, np.nan)
-            error = found.errors.get(name, np.nan)
-            days, note = found.days, f"not met: {'; '.join(found.unmet)}. {NOT_SEEN}"
-            if not found.unmet:
+        if result is not None:
+            value = result.values.get(name, np.nan)
+            error = result.errors.get(name, np.nan)
+            days, note = result.days, f"not met: {'; '.join(result.unmet)}. {NOT_SEEN}"
+            if not result.unmet:
                 note = NOT_SEEN
         title = "by IEC 61853-2" if name == "NMOT" else f"{name} by IEC 61853-2"
         yield Row(

@@ -215,12 +215,12 @@ class Steady:
             return dict.fromkeys(one.units, np.nan)
         return SHAPES[one.shape].coefficients(*line, **one.fixed)
 
-    def mismatch(self, one: Convention, found: dict) -> float:
+    def mismatch(self, one: Convention, values: dict) -> float:
         """Largest difference from the fit at 400 to 1000 W/m² and all winds. [K]"""
         coefficients = self.fit.coefficients
         curve = self.own(coefficients).plus(self.cell(one.of) / 1000.0)
         curve, winds = self.seen(one, curve)
-        own = SHAPES[one.shape].resistance(winds, {**found, **one.fixed})
+        own = SHAPES[one.shape].resistance(winds, {**values, **one.fixed})
         over = np.outer(SUNS, curve.resistance(winds)) + self.bias(coefficients)
         return float(np.abs(np.outer(SUNS, own) - over).max())
 
@@ -260,21 +260,21 @@ def steady_rows(steady: Any, chosen: list) -> Iterator:
     for one in chosen:
         why = NO_HEIGHT if one.high and steady.share is None else ""
         why = NO_WINDS if one.calm and steady.measured is None else why
-        there, found = not why, dict.fromkeys(one.units, np.nan)
-        errors, mismatch = [np.nan] * len(found), np.nan
+        there, values = not why, dict.fromkeys(one.units, np.nan)
+        errors, mismatch = [np.nan] * len(values), np.nan
         if there:
-            found = steady.parameters(one, steady.fit.coefficients)
-        if there and np.isfinite(list(found.values())).all():
+            values = steady.parameters(one, steady.fit.coefficients)
+        if there and np.isfinite(list(values.values())).all():
             errors = steady.error(
                 lambda c, one=one: np.array([*steady.parameters(one, c).values()])
             )
-            mismatch = steady.mismatch(one, found)
+            mismatch = steady.mismatch(one, values)
             warm = OF_SENSOR if one.of == "cell" and steady.deltaT is None else ""
             why = joined(warm, steady.effects_note)
         elif there:
             why = POSSIBLE
         like = dict(of=one.of, equation=one.equation, source=one.source)
-        for (name, value), error in zip(found.items(), errors):
+        for (name, value), error in zip(values.items(), errors):
             yield row(
                 steady,
                 one.name,

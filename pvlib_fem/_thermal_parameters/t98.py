@@ -53,17 +53,17 @@ def hottest_rows(
     Row
     """
     like: dict[str, Any] = dict(of="module", equation=EQUATION, source=SOURCE)
-    found, years = dict(value=np.nan, note=why), []
+    columns, years = dict(value=np.nan, note=why), []
     if measured is not None:
-        found, years = of_record(measured)
-    yield Row("T98", "of the record", unit="°C", **found, **like)
+        columns, years = of_record(measured)
+    yield Row("T98", "of the record", unit="°C", **columns, **like)
     if typical_year is not None:
-        found = of_weather(steady, typical_year)
+        columns = of_weather(steady, typical_year)
     elif measured is not None and len(years) >= FEWEST_YEARS:
-        found = of_years(years)
+        columns = of_years(years)
     else:
-        found = dict(value=np.nan, note=NO_YEAR)
-    yield Row("T98", "of a typical year", unit="°C", **found, **like)
+        columns = dict(value=np.nan, note=NO_YEAR)
+    yield Row("T98", "of a typical year", unit="°C", **columns, **like)
 
 
 def of_record(measured: Measured) -> Any:
@@ -89,8 +89,8 @@ def of_record(measured: Measured) -> Any:
         error = (high - low) / 2.0
     else:
         note = f"no error: it needs {FEWEST_WEEKS} weeks; {note}"
-    found = dict(value=value, stderr=error, span=tuple(map(float, span)), note=note)
-    return found, whole_years(measured, module, dates)
+    columns = dict(value=value, stderr=error, span=tuple(map(float, span)), note=note)
+    return columns, whole_years(measured, module, dates)
 
 
 def share_error(above: np.ndarray, dates: np.ndarray) -> tuple[float, float]:
@@ -106,8 +106,8 @@ def share_error(above: np.ndarray, dates: np.ndarray) -> tuple[float, float]:
     rows, phase = weeks["size"].to_numpy(), 2.0 * np.pi * 7.0 * weeks.index / YEAR
     waves = [f(n * phase) for n in (1, 2) for f in (np.cos, np.sin)]
     season = np.transpose([np.ones(len(weeks)), *waves]) * rows[:, None]
-    found, _, rank, _ = np.linalg.lstsq(season, weeks["sum"], rcond=None)
-    squares = (weeks["sum"].to_numpy() - season @ found) ** 2
+    season_coefficients, _, rank, _ = np.linalg.lstsq(season, weeks["sum"], rcond=None)
+    squares = (weeks["sum"].to_numpy() - season @ season_coefficients) ** 2
     squares *= len(weeks) / max(len(weeks) - rank, 1)
     if not squares.sum() > 0.0:
         return np.nan, np.nan
@@ -146,8 +146,8 @@ def of_weather(steady: Any, weather: pd.DataFrame) -> Any:
         columns |= {name: there[name] for name in model.drivers}
         if not steady.with_bias:
             coefficients = coefficients | {"bias": 0.0}
-        found = model.predict(coefficients=coefficients, **columns)
-        return np.array([np.nanquantile(found, SHARE)])
+        temperature = model.predict(coefficients=coefficients, **columns)
+        return np.array([np.nanquantile(temperature, SHARE)])
 
     (value,), (error,) = hottest(fit.coefficients), steady.error(hottest)
     note = f"by the fit, of the weather that was given; {level(value)}"

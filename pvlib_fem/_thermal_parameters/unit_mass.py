@@ -166,16 +166,16 @@ def unit_mass_rows(measured: Any, why: str) -> Iterator:
     ------
     Row
     """
-    found, scores, note = None, {}, why
+    best_mass, scores, note = None, {}, why
     if measured is not None and "wind_speed" in measured.record.absent:
         measured, note = None, NO_WIND
     if measured is not None:
         given = PrillimanFit(measured)
-        found, note = given.best()
-        scores = given.scores(found)
+        best_mass, note = given.best()
+        scores = given.scores(best_mass)
         worst = scores.get("prilliman", (0.0,))[0] > scores["without memory"][0]
         note = "; ".join(filter(None, [note, WORSE * worst]))
-    mass = found or Mass(np.nan, np.nan, np.inf)
+    mass = best_mass or Mass(np.nan, np.nan, np.inf)
     reach = student.ppf(0.5 + LEVEL / 2, max(mass.days - 1.0, 1.0)) * mass.stderr
     yield Row(
         "prilliman",
@@ -260,8 +260,8 @@ class PrillimanFit:
     def smoothed(self, unit_mass: float) -> list:
         """Steady temperature and its slopes, smoothed by Prilliman's mean."""
         columns = self.table[["steady", *self.slopes]]
-        found = smoothed(columns, self.table["wind_speed"], unit_mass)
-        return [found[name] for name in columns]
+        means = smoothed(columns, self.table["wind_speed"], unit_mass)
+        return [means[name] for name in columns]
 
     def at(
         self, unit_mass: float
@@ -303,27 +303,29 @@ class PrillimanFit:
                 "finer record"
             )
         how = dict(bounds=(0.0, HEAVIEST), method="bounded", options={"xatol": FINE})
-        found = minimize_scalar(self.cost, **how).x
-        if found > HEAVIEST - EDGE:
+        unit_mass = minimize_scalar(self.cost, **how).x
+        if unit_mass > HEAVIEST - EDGE:
             return None, TOO_SLOW
-        if found < EDGE:
+        if unit_mass < EDGE:
             return None, TOO_QUICK
-        moved, modelled, residual, columns = self.at(found)
+        moved, modelled, residual, columns = self.at(unit_mass)
         dates = self.table["date"][residual.index].to_numpy().astype(int)
         days = len(np.unique(dates))
         if days < FEWEST_DAYS:
-            return Mass(found, np.nan, days, modelled), few(days)
-        ends = [self.temperature(moved, found + step) for step in (-EDGE / 2, EDGE / 2)]
+            return Mass(unit_mass, np.nan, days, modelled), few(days)
+        ends = [
+            self.temperature(moved, unit_mass + step) for step in (-EDGE / 2, EDGE / 2)
+        ]
         slope = ((ends[1] - ends[0]) / EDGE)[residual.index].to_numpy()
         covariance = day_errors([slope, *columns], residual, dates)
-        return Mass(found, float(np.sqrt(covariance[0, 0])), days, modelled), ""
+        return Mass(unit_mass, float(np.sqrt(covariance[0, 0])), days, modelled), ""
 
-    def scores(self, found: Any) -> dict:
+    def scores(self, mass: Any) -> dict:
         """RMSE on held-out days, with standard errors. [K]"""
         table = self.table
         modelled = {"this fit": table["fit"], "without memory": table["steady"]}
-        if found is not None:
-            modelled["prilliman"] = found.modelled
+        if mass is not None:
+            modelled["prilliman"] = mass.modelled
         return {
             name: rms_of((table["measured"] - one)[table["test"]], table["date"])
             for name, one in modelled.items()
