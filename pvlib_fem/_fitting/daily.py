@@ -101,13 +101,13 @@ def correlation(daily: Any, stderr: dict) -> pd.DataFrame:
     known = [place for place, name in enumerate(names) if stderr.get(name, 0.0) > 0.0]
     if not known:
         return pd.DataFrame(dtype=float)
-    found = daily.sums.of_columns(known).by_day()
-    size = np.sqrt(np.diag(found))
-    found = found / np.outer(size, size)
-    np.fill_diagonal(found, 1.0)
+    correlations = daily.sums.of_columns(known).by_day()
+    size = np.sqrt(np.diag(correlations))
+    correlations = correlations / np.outer(size, size)
+    np.fill_diagonal(correlations, 1.0)
     named = [names[place] for place in known]
     # symmetric to the last bit
-    return pd.DataFrame((found + found.T) / 2.0, named, named)
+    return pd.DataFrame((correlations + correlations.T) / 2.0, named, named)
 
 
 def memory_notes(names: list, times: np.ndarray, memory: DailyMemory) -> Iterator:

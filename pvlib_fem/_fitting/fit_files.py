@@ -109,17 +109,17 @@ def fit_parts(
 
 def correlation_of(content: Stored, stderr: dict) -> pd.DataFrame:
     """The correlations of a part of a file; ValueError if they are not valid."""
-    found = content.read("correlation", dict[str, dict[str, float]])
+    by_name = content.read("correlation", dict[str, dict[str, float]])
     known = {name for name, error in stderr.items() if error > 0.0}
     place = f"{content.file}: {content.place}correlation"
-    if {*found} - known or any({*row} != {*found} for row in found.values()):
+    if {*by_name} - known or any({*row} != {*by_name} for row in by_name.values()):
         raise ValueError(
-            f"{place} is of {', '.join(found)}, where a table of coefficients with an "
-            f"error belongs: {', '.join(sorted(known)) or 'there are none'}"
+            f"{place} is of {', '.join(by_name)}, where a table of coefficients with "
+            f"an error belongs: {', '.join(sorted(known)) or 'there are none'}"
         )
-    table = pd.DataFrame.from_dict(found, orient="index", dtype=float)[[*found]]
+    table = pd.DataFrame.from_dict(by_name, orient="index", dtype=float)[[*by_name]]
     values = table.to_numpy()
-    ones = np.diag(values) == 1.0 if found else True
+    ones = np.diag(values) == 1.0 if by_name else True
     within = np.abs(values) <= 1.0 + 1e-9
     if not (np.all(ones) and within.all() and (values == values.T).all()):
         raise ValueError(

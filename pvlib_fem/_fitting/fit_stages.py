@@ -125,9 +125,9 @@ def with_effects(
     that ``fit`` returns are the steps.
     """
     target = replace(target, base=public(*last(stages)))
-    found = fit(target)
-    own = target.rebased(public(target, last(found[0])[1]))
-    return own, found if own is target else fit(own)
+    fitted = fit(target)
+    own = target.rebased(public(target, last(fitted[0])[1]))
+    return own, fitted if own is target else fit(own)
 
 
 def minima(source: Any, steps: list, starts: dict, flat: dict) -> dict:

@@ -119,11 +119,11 @@ def transpose_record(
     >>> import pvlib_fem as fem
     >>> data = fem.datasets.synthetic(days=5, step=600)
     >>> place = pvlib.location.Location(35.0, -106.0), 35.0, 180.0
-    >>> found = fem.transpose_record(data.drop(columns="poa_global"), *place)
-    >>> print(found.attrs["notes"][0])
+    >>> record = fem.transpose_record(data.drop(columns="poa_global"), *place)
+    >>> print(record.attrs["notes"][0])
     there is no poa_global: it is transposed from ghi with measured dni and dhi and the
     sky of Perez
-    >>> error = (found["poa_global"] - data["poa_global"]).abs().mean()
+    >>> error = (record["poa_global"] - data["poa_global"]).abs().mean()
     >>> bool(error < 15.0)  # W/m²; that record has an isotropic sky
     True
     """
@@ -134,8 +134,8 @@ def transpose_record(
     if LIGHT in columns:
         raise ValueError(f"data have {LIGHT}, so no transposition is needed; drop one")
     place = plane_of_rows(data, place)
-    found, notes = with_plane(columns, data.index, place, transposition, limits)
-    data = data.assign(**{LIGHT: found[LIGHT]})
+    columns, notes = with_plane(columns, data.index, place, transposition, limits)
+    data = data.assign(**{LIGHT: columns[LIGHT]})
     data.attrs = {**data.attrs, "notes": notes}
     return data
 
@@ -342,9 +342,9 @@ def cleaned(name: str, columns: Any, limits: Any, check_units: bool) -> Any:
     others = {n: columns[n] for n in ("temp_air",) if n in numeric(columns)}
     # the rules for irradiance in the plane apply to ghi; beam may start abruptly
     called = LIGHT if name == "ghi" else name
-    found = screen_record(pd.DataFrame({called: column, **others}), limits)
-    lines = [line for line in found.notes if line.startswith(called)]
-    return found.cleaned[called], [line.replace(called, name, 1) for line in lines]
+    screened = screen_record(pd.DataFrame({called: column, **others}), limits)
+    lines = [line for line in screened.notes if line.startswith(called)]
+    return screened.cleaned[called], [line.replace(called, name, 1) for line in lines]
 
 
 def words_of(columns: Any, transposition: Any) -> Any:

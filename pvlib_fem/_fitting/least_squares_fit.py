@@ -33,16 +33,16 @@ def fit_source(source: Any, target: ThermalModel, notes: list) -> Any:
     """
     target, stages, minimum = stages_of(source, target)
     at_bound = tuple(np.array(target.free)[minimum.at_bound].tolist())
-    found, names = last(stages)[1], [n for n in target.free if n not in at_bound]
+    coefficients, names = last(stages)[1], [n for n in target.free if n not in at_bound]
     daily, own = source.ended(*requests_of(stages), tuple(names))
     stderr = errors(target, daily, at_bound, notes)
     days = own["train_days"]
-    notes += memory_notes(source, target, found, stderr, at_bound, days)
+    notes += memory_notes(source, target, coefficients, stderr, at_bound, days)
     notes += source.notes(target)
     if not minimum.converged:
         notes.append("the search did not converge: do not trust the numbers")
     return source.kind(
-        **of_minimum(target, found, stderr, at_bound, minimum.converged),
+        **of_minimum(target, coefficients, stderr, at_bound, minimum.converged),
         **own,
         method="least_squares",
         notes=tuple(notes),
@@ -67,8 +67,8 @@ def requests_of(stages: dict) -> tuple[dict, str]:
     """
     final = list(stages)[-1]
     models = {
-        name: EvalRequest(model, found, wanted=name == final)
-        for name, (model, found) in stages.items()
+        name: EvalRequest(model, coefficients, wanted=name == final)
+        for name, (model, coefficients) in stages.items()
     }
     return models, final
 
@@ -95,7 +95,7 @@ def finished(
     parts : tuple of numpy.ndarray of bool, shape (rows,)
         ``train``, ``test`` and ``out`` of :func:`of_rows`.
     minimum : tuple
-        ``found``, ``stderr``, ``at_bound`` and ``converged`` of :func:`of_minimum`.
+        ``searched``, ``stderr``, ``at_bound`` and ``converged`` of :func:`of_minimum`.
     **how
         Further attributes of :class:`FemFit`.
 
@@ -109,7 +109,7 @@ def finished(
 
 
 def of_minimum(
-    target: ThermalModel, found: dict, stderr: dict, at_bound: tuple, converged: bool
+    target: ThermalModel, searched: dict, stderr: dict, at_bound: tuple, converged: bool
 ) -> dict:
     """
     The attributes of a result that come from the last minimum.
@@ -118,7 +118,7 @@ def of_minimum(
     ----------
     target : ThermalModel
         The fitted model.
-    found : dict
+    searched : dict
         Coefficients of all its parameters.
     stderr : dict
         Their standard errors; 0 for those that it has not.
@@ -132,7 +132,7 @@ def of_minimum(
     dict
         Arguments of :class:`FemFit`.
     """
-    coefficients = public(target, found)
+    coefficients = public(target, searched)
     return dict(
         model=target.steady_model.name,
         dynamics=target.dynamics,

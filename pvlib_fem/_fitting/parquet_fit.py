@@ -83,8 +83,8 @@ class FileFit(FemFit):
             A failed write leaves no file.
         """
         model = self.thermal_model
-        found = self.files.residuals(model, model.completed(self.coefficients))
-        write_parquet(path, found, "residual")
+        residuals = self.files.residuals(model, model.completed(self.coefficients))
+        write_parquet(path, residuals, "residual")
 
     def on_means(self) -> FemFit:
         """The fit on means over a minute or more, for pictures."""
@@ -300,9 +300,11 @@ class InFiles:
         self, steps: list, starts: dict, final: bool
     ) -> tuple[dict, Minimum, dict]:
         """Models and coefficients of some steps, the last minimum, and the starts."""
-        found = minima(self.files, steps, starts, flatness(steps, final))
-        stages = {n: (model, natural(model, found[n][1])[0]) for n, model, *_ in steps}
-        return stages, found[steps[-1][0]][0], starts
+        by_step = minima(self.files, steps, starts, flatness(steps, final))
+        stages = {
+            n: (model, natural(model, by_step[n][1])[0]) for n, model, *_ in steps
+        }
+        return stages, by_step[steps[-1][0]][0], starts
 
     def ended(self, requests: dict, last: str, names: tuple) -> tuple[DailySums, dict]:
         """Daily sums of the last step, and the attributes of a result from the rows."""

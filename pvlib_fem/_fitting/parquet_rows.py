@@ -57,7 +57,7 @@ class Files(Source):
         first, last = map(source.at, look.ends)
         names = tuple(n for n in self.clean.names if n not in source.absent)
         missing, faults = self.screened.missing, self.screened.impossible
-        found = FileSummary(
+        summary = FileSummary(
             rows=look.rows,
             days=len(self.dates),
             start=first,
@@ -69,9 +69,9 @@ class Files(Source):
             clipped=self.screened.clipped,
             sha256="",
         )
-        vars(found).pop("sha256")  # computed on access: it takes passes of its own
-        vars(found)["record"] = self.clean
-        return found
+        vars(summary).pop("sha256")  # computed on access: it takes passes of its own
+        vars(summary)["record"] = self.clean
+        return summary
 
     def without(self, dates: np.ndarray) -> "Files":
         """The source with some days held out."""
@@ -139,14 +139,14 @@ class Files(Source):
         request, past = EvalRequest(model, coefficients), self.past(model)
         bases = Bases(self, [request])
         for block in self.clean.blocks():
-            inputs, found = even(block), []
+            inputs, temperatures = even(block), []
             for part in blocks(len(block), self.at_once):
                 here = bases.added_to(inputs.part(part))
                 own = model.with_drivers(here), coefficients
                 known = model.knowing(*own, False)
                 given = (*own, past)
-                found.append(temperature_of(known, given, self.quick(known)))
-            yield block.index, block["temp_module"] - np.concatenate(found)
+                temperatures.append(temperature_of(known, given, self.quick(known)))
+            yield block.index, block["temp_module"] - np.concatenate(temperatures)
 
     def inputs(self, requests: Iterable) -> Iterator:
         """First row and inputs of all blocks, without times if nothing needs them."""
@@ -195,8 +195,8 @@ class Bases:
         if self.model is None:
             return inputs
         base = self.model.completed(self.model.base)
-        found = self.plain.answer(inputs, base, self.past, wanted=False)[0]
-        return self.model.based(inputs, found)
+        temperature = self.plain.answer(inputs, base, self.past, wanted=False)[0]
+        return self.model.based(inputs, temperature)
 
 
 def screened_for(
@@ -264,9 +264,9 @@ def first_pass(screened: Any, target: ThermalModel, night: bool) -> Files:
     for block in screened.record.blocks():
         sums.add(block.index, block.inputs.columns)
         held.add(block)
-        for names, found in gaps.items():
+        for names, gap in gaps.items():
             columns = [block[name] for name in (*COLUMNS[:3], *names)]
-            found.add(columns, block.inputs.steps)
+            gap.add(columns, block.inputs.steps)
         speed = block["wind_speed"]
         there = np.isfinite(speed)
         wind += speed[there].sum(), there.sum()
@@ -274,7 +274,7 @@ def first_pass(screened: Any, target: ThermalModel, night: bool) -> Files:
         complete = np.isfinite(sum(block[name] for name in COLUMNS))
         seen[block.start] = BlockRows.of(complete, rows, dates, even(block).steps)
         by_day(table, dates, rows, block["poa_global"] ** 2, speed)
-    found = np.array([table[date] for date in sorted(table)]).reshape(-1, 4)
+    totals = np.array([table[date] for date in sorted(table)]).reshape(-1, 4)
     inputs = sums.inputs()
     absent = screened.record.source.absent
     missing = {n: rows for n, rows in screened.missing.items() if n not in absent}
@@ -286,10 +286,10 @@ def first_pass(screened: Any, target: ThermalModel, night: bool) -> Files:
         night,
         drivers,
         float(wind[0] / max(wind[1], 1)),
-        {names: found.usual for names, found in gaps.items()},
+        {names: gap.usual for names, gap in gaps.items()},
         np.array(sorted(table)),
-        found[:, 0].astype(int),
-        found[:, 1:],
+        totals[:, 0].astype(int),
+        totals[:, 1:],
         means,
         seen,
     )

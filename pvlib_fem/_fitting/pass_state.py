@@ -129,10 +129,10 @@ def by_day(
     there = np.bincount(place, minlength=size)
     place, light, wind = place[rows], light[rows], wind[rows]
     weights = None, light, light * wind, light * wind**2
-    found = np.stack([np.bincount(place, weight, size) for weight in weights])
+    sums = np.stack([np.bincount(place, weight, size) for weight in weights])
     for day in np.flatnonzero(there):
         date = int(dates[0] + day)
-        table[date] = table.get(date, 0.0) + found[:, day]
+        table[date] = table.get(date, 0.0) + sums[:, day]
 
 
 def even(block: Block) -> Inputs:

@@ -59,7 +59,7 @@ def through_time(fit: Any, freq: str, coefficients: Any) -> pd.DataFrame:
         codes=[*np.indices((len(names), len(starts))).reshape(2, -1)],
         names=["coefficient", "start"],
     )
-    rows = [found[name] for name in names for _, found in parts]
+    rows = [estimates_by_name[name] for name in names for _, estimates_by_name in parts]
     return pd.DataFrame(rows, index)
 
 
@@ -74,13 +74,13 @@ def minimum_of(fit: Any, coefficients: dict | None) -> Minimum:
             f"{why}; fit the record with method='least_squares'"
         )
     model, daily = fit.thermal_model, fit.daily
-    found = model.completed(fit.coefficients)
+    completed = model.completed(fit.coefficients)
     return Minimum(
         model,
-        found,
+        completed,
         daily,
         names_of(model, daily.names, coefficients),
-        lag(model, found, fit.step, fit.wind) if MEMORY[model.dynamics] else None,
+        lag(model, completed, fit.step, fit.wind) if MEMORY[model.dynamics] else None,
         fit.step,
     )
 

@@ -182,7 +182,7 @@ class Source:
                     model, own, requests[key].rows, self.quick(model)
                 )
                 total[key] += answer.products(names[key])
-        return {key: Normal.of(found) for key, found in total.items()}
+        return {key: Normal.of(matrix) for key, matrix in total.items()}
 
     def ends(
         self,
@@ -216,14 +216,14 @@ class Source:
             for key, (model, own) in given.items():
                 quick = self.quick(model)
                 if key == last:
-                    found = np.empty(len(part.dates))
+                    modelled = np.empty(len(part.dates))
                     answer = part.answered(model, own, "train", quick)
-                    by_day.append(answer.by_day(names, found))
+                    by_day.append(answer.by_day(names, modelled))
                     if temperature is not None:
-                        temperature[first:end] = found
+                        temperature[first:end] = modelled
                 else:
-                    found = temperature_of(model, own, quick, train | test)
-                error = part.measured - found
+                    modelled = temperature_of(model, own, quick, train | test)
+                error = part.measured - modelled
                 for which, at in rows.items():
                     tallies[key][which].add(error[at])
         sums = cluster_sums_of(*joined(by_day), self.count)
@@ -255,10 +255,10 @@ def temperature_of(
     """
     if not quick:
         return model.answer(*given, wanted=False)[0]
-    found = np.zeros(len(given[0].index))
+    temperature = np.zeros(len(given[0].index))
     seen = None if counts is None else (counts, np.nan)
-    answered(*[model, *given, seen], into=found)
-    return found
+    answered(*[model, *given, seen], into=temperature)
+    return temperature
 
 
 @dataclass(frozen=True, eq=False)
@@ -389,11 +389,13 @@ def daily_sums(
         Of the free coefficients that are not at a bound.
     """
     names = tuple(name for name in model.free if name not in at_bound)
-    found, end = [], 0
+    sums_by_part, end = [], 0
     for part, given in source.parts({"": EvalRequest(model, coefficients)}):
         first, end = end, end + len(part.dates)
         known, own = given[""]
         answer = part.answered(known, own, "train", source.quick(known))
-        found.append(answer.by_day(names, None if into is None else into[first:end]))
-    dates, sums = joined(found)
+        sums_by_part.append(
+            answer.by_day(names, None if into is None else into[first:end])
+        )
+    dates, sums = joined(sums_by_part)
     return DailySums(names, cluster_sums_of(dates, sums, source.count), source.winds)

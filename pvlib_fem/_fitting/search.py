@@ -152,16 +152,16 @@ def searching(
                 x = search.send(sums.by(chain[np.ix_(places, places)]))
         except StopIteration as end:
             minimum = end.value
-        found = searched(minimum.x)
+        best_coefficients = searched(minimum.x)
         # the least capacity that a step resolves depends on the fitted resistance
-        again = [view(model, source, found, name) for name in names]
+        again = [view(model, source, best_coefficients, name) for name in names]
         if not any(
-            stays and one.lower < found[name]
+            stays and one.lower < best_coefficients[name]
             for stays, name, one in zip(minimum.at_bound, names, again)
         ):
             break
-        start, views = found, again
-    return minimum, found
+        start, views = best_coefficients, again
+    return minimum, best_coefficients
 
 
 def view(

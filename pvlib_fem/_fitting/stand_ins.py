@@ -51,8 +51,8 @@ class StandIn:
         other = between(columns[self.column], self.every)
         other = self.factor * other + self.offset
         known = columns.get(self.usual)
-        found = other if known is None else known.where(known.notna(), other)
-        return {**columns, self.usual: found}
+        filled = other if known is None else known.where(known.notna(), other)
+        return {**columns, self.usual: filled}
 
 
 def between(column: Any, every: Any) -> Any:
@@ -127,8 +127,8 @@ def fill_record(
     >>> data = fem.datasets.synthetic(days=10, step=600)
     >>> data["temp_air_2"] = data["temp_air"].round() - 1.0
     >>> data.loc["2023-06-03", "temp_air"] = np.nan
-    >>> found = fem.fill_record(data, "temp_air_2")
-    >>> print(found.attrs["notes"][0])
+    >>> filled = fem.fill_record(data, "temp_air_2")
+    >>> print(filled.attrs["notes"][0])
     temp_air_2 stands in for temp_air in 144 rows, with 1 K added; where both are there
     they then differ by 0.29 K (root mean square of 1,296 rows)
     """
@@ -159,7 +159,7 @@ def chosen(names: Any) -> dict:
     ValueError
         If a name begins with neither, or two stand in for the same column.
     """
-    found: dict[str, str] = {}
+    stand_ins: dict[str, str] = {}
     for name in several(names):
         usual = twin_of(name)
         if usual not in SERVED:
@@ -167,12 +167,12 @@ def chosen(names: Any) -> dict:
                 f"{name} stands in for nothing: second sources of air and wind do, "
                 "whose names begin so, such as temp_air_2 and wind_speed_2"
             )
-        if usual in found:
+        if usual in stand_ins:
             raise ValueError(
-                f"{found[usual]} and {name} both stand in for {usual}; give one"
+                f"{stand_ins[usual]} and {name} both stand in for {usual}; give one"
             )
-        found[usual] = name
-    return found
+        stand_ins[usual] = name
+    return stand_ins
 
 
 def with_stand_ins(columns: Any, names: Any, limits: Any = None) -> Any:
@@ -192,7 +192,7 @@ def with_stand_ins(columns: Any, names: Any, limits: Any = None) -> Any:
     -------
     dict of pandas.Series, tuple of StandIn, tuple of str
     """
-    found, notes = [], []
+    stand_ins, notes = [], []
     for usual, name in chosen(names).items():
         there = numeric({n: columns[n] for n in (usual, name) if n in columns})
         if name not in there:
@@ -209,8 +209,8 @@ def with_stand_ins(columns: Any, names: Any, limits: Any = None) -> Any:
         if filled:  # a column that fills another cannot cross-check it
             columns.pop(name)
         notes.append(said)
-        found.append(one)
-    return columns, tuple(found), tuple(notes)
+        stand_ins.append(one)
+    return columns, tuple(stand_ins), tuple(notes)
 
 
 def refuse_unlike(known: Any, other: Any) -> None:
@@ -225,9 +225,9 @@ def refuse_unlike(known: Any, other: Any) -> None:
 
 def cleaned(column: Any, name: str, usual: Any, limits: Any) -> Any:
     """A column without implausible values, and notes on these."""
-    found = screen_record(pd.DataFrame({usual: column}), limits)
-    lines = [line for line in found.notes if line.startswith(usual)]
-    return found.cleaned[usual].rename(name), [
+    screened = screen_record(pd.DataFrame({usual: column}), limits)
+    lines = [line for line in screened.notes if line.startswith(usual)]
+    return screened.cleaned[usual].rename(name), [
         line.replace(usual, name, 1) for line in lines
     ]
 

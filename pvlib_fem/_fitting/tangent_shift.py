@@ -111,15 +111,15 @@ def in_resistance(minimum: Minimum, shift: np.ndarray) -> tuple[np.ndarray, np.n
     wanted = before + by_shift @ shift
     if (wanted > 0.0).all():
         with np.errstate(all="ignore"):
-            found = root(
+            solution = root(
                 lambda x: resistances(minimum, x, winds)[0] / wanted - 1.0,
                 start,
                 jac=lambda x: resistances(minimum, x, winds)[1] / wanted[:, None],
             )
         # scipy may report no success although the root is found
-        if (np.abs(found.fun) < CLOSE).all():
-            slopes = resistances(minimum, found.x, winds)[1]
-            return found.x, np.linalg.pinv(slopes) @ by_shift
+        if (np.abs(solution.fun) < CLOSE).all():
+            slopes = resistances(minimum, solution.x, winds)[1]
+            return solution.x, np.linalg.pinv(slopes) @ by_shift
     return np.full(size, np.nan), np.full((size, size), np.nan)
 
 
