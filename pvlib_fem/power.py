@@ -136,10 +136,10 @@ class PowerRelation:
 
     def content(self) -> dict[str, Any]:
         """The attributes for a file, in which no number may be infinite."""
-        found = {
+        attributes = {
             n: list(v) if isinstance(v, tuple) else v for n, v in vars(self).items()
         }
-        return found | {"limit": self.limit if np.isfinite(self.limit) else None}
+        return attributes | {"limit": self.limit if np.isfinite(self.limit) else None}
 
     @classmethod
     def stored(cls, content: Mapping[str, Any]) -> Self:
@@ -180,9 +180,9 @@ def expected_power(
     --------
     fit_power : the relation itself.
     """
-    found = fit_power(poa_global, temp_module, power)
+    relation = fit_power(poa_global, temp_module, power)
     day = days_of(power.index)
-    expected = found.expected(poa_global, temp_module, day)
+    expected = relation.expected(poa_global, temp_module, day)
     return pd.Series(expected, power.index, name="expected_power")
 
 

@@ -121,8 +121,8 @@ class ErrorSums:
         """RMSE, MAE and MBE; the name of each ends with the part of a record. [K]"""
         with np.errstate(invalid="ignore"):
             square, size, mean = self.sums / (self.rows or np.nan)
-        found = {"rmse": np.sqrt(square), "mae": size, "mbe": mean}
-        return {f"{score}_{part}": float(value) for score, value in found.items()}
+        values = {"rmse": np.sqrt(square), "mae": size, "mbe": mean}
+        return {f"{score}_{part}": float(value) for score, value in values.items()}
 
 
 def scores_of(error: Any, part: Any) -> Any:

@@ -154,13 +154,13 @@ def constants(name: str) -> dict:
         Value by name of the constant; empty for a column that is not derived. A
         :class:`Driver` has its own values.
     """
-    found = dict(getattr(name, "settings", {}))
+    values = dict(getattr(name, "settings", {}))
     if (name := getattr(name, "name", name)) not in DERIVED:
         return {}
     needs, compute = DERIVED[name]
     for needed in needs:
-        found = {**constants(needed), **found}
-    return {**own_constants(compute), **found}
+        values = {**constants(needed), **values}
+    return {**own_constants(compute), **values}
 
 
 def own_constants(function: Callable, besides: Any = ()) -> dict:
@@ -249,12 +249,12 @@ def remembered(names: Sequence) -> list:
     list of str or Driver
         Each once.
     """
-    found = []
+    drivers = []
     for name in filter(is_derived, names):
         known = getattr(name, "name", name) in REMEMBERED
         more = [name] if known else remembered(made_of(name)[0])
-        found += [one for one in more if one not in found]
-    return found
+        drivers += [one for one in more if one not in drivers]
+    return drivers
 
 
 def behind(names: Sequence) -> list:
@@ -273,8 +273,8 @@ def behind(names: Sequence) -> list:
     """
     columns = []
     for name in names:
-        found = behind(made_of(name)[0]) if is_derived(name) else [name]
-        columns += [n for n in found if n not in columns]
+        underived = behind(made_of(name)[0]) if is_derived(name) else [name]
+        columns += [n for n in underived if n not in columns]
     return columns
 
 
@@ -367,6 +367,6 @@ def completed(inputs: Inputs, names: Sequence) -> Inputs:
         if is_derived(name) and name not in inputs.columns:
             needs, compute, own = made_of(name)
             inputs = completed(inputs, needs)
-            found = compute(*(inputs[n] for n in needs), inputs, **own)
-            inputs = inputs.having({name: found})
+            values = compute(*(inputs[n] for n in needs), inputs, **own)
+            inputs = inputs.having({name: values})
     return inputs

@@ -120,8 +120,8 @@ def orientation(
         index if own is None else own
     )
     zenith, azimuth = (where[name] for name in GEOMETRY[:2])
-    found = mount.get_orientation(zenith, azimuth)
-    return by_night({n: found[n] for n in ANGLES if n in found}, zenith)
+    angles = mount.get_orientation(zenith, azimuth)
+    return by_night({n: angles[n] for n in ANGLES if n in angles}, zenith)
 
 
 def by_night(angles: Any, solar_zenith: np.ndarray | pd.Series) -> Any:
@@ -140,11 +140,11 @@ def by_night(angles: Any, solar_zenith: np.ndarray | pd.Series) -> Any:
     dict of array, shape (rows,)
         NaN where an angle is missing by day.
     """
-    night, found = np.asarray(solar_zenith) > 90.0, {}
+    night, filled = np.asarray(solar_zenith) > 90.0, {}
     for name, values in angles.items():
         values = np.asarray(values, dtype=float)
-        found[name] = np.where(night & np.isnan(values), STOW, values)
-    return found
+        filled[name] = np.where(night & np.isnan(values), STOW, values)
+    return filled
 
 
 def angles_at(index: pd.DatetimeIndex, place: dict, late: float = 0.0) -> Any:

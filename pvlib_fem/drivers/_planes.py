@@ -51,13 +51,13 @@ class ByColumns:
         share = (wanted - own[before]) / np.maximum(apart, 1)
         usual = np.median(np.diff(own)) if len(own) > 1 else 0.0
         far = (apart > 2.0 * usual) | (share < 0.0) | (share > 1.0)
-        found = {}
+        angles = {}
         for name, values in between(self.columns, before, after, share).items():
             values = np.where(far, np.nan, values)
             for at, exact in ((before, 0.0), (after, 1.0)):
                 values = np.where(share == exact, self.columns[name][at], values)
-            found[name] = values
-        return found
+            angles[name] = values
+        return angles
 
 
 def between(columns: Any, before: Any, after: Any, share: Any) -> Any:
@@ -160,8 +160,8 @@ def rotated(theta: Any, mount: Any) -> Any:
         ``surface_tilt`` and ``surface_azimuth``.
     """
     with np.errstate(invalid="ignore"):
-        found = calc_surface_orientation(theta, mount.axis_tilt, mount.axis_azimuth)
-    return {name: np.asarray(found[name], dtype=float) for name in ANGLES}
+        angles = calc_surface_orientation(theta, mount.axis_tilt, mount.axis_azimuth)
+    return {name: np.asarray(angles[name], dtype=float) for name in ANGLES}
 
 
 def code(value: Any) -> Any:

@@ -50,13 +50,13 @@ def sun(
     )
     if len(grid) > len(utc):  # few rows over a long time
         grid = utc
-    found = location.get_solarposition(grid, method="ephemeris")
+    positions = location.get_solarposition(grid, method="ephemeris")
     if refraction:
-        found["zenith"] = found["apparent_zenith"]
+        positions["zenith"] = positions["apparent_zenith"]
     if len(grid) == len(utc) and (grid == utc).all():  # no interpolation
-        places = {f"solar_{n}": found[n].to_numpy() for n in ("zenith", "azimuth")}
+        places = {f"solar_{n}": positions[n].to_numpy() for n in ("zenith", "azimuth")}
         return pd.DataFrame(places, index=index)
-    zenith, azimuth = np.radians(found["zenith"]), np.radians(found["azimuth"])
+    zenith, azimuth = np.radians(positions["zenith"]), np.radians(positions["azimuth"])
     at, knots = (t.as_unit("ns").asi8.astype(float) for t in (utc, grid))
     north, east, up = (
         np.interp(at, knots, part.to_numpy())
@@ -174,8 +174,9 @@ def clearness(
         From 0 to 1; NaN where an input is.
     """
     up = np.cos(np.radians(solar_zenith))
-    found = 0.0 * (poa_global + up + aoi_projection)  # NaN where an input is NaN
-    by_day = np.flatnonzero((up > 0) & (poa_global > 0) & np.isfinite(found))
+    # NaN where an input is NaN
+    clearness_index = 0.0 * (poa_global + up + aoi_projection)
+    by_day = np.flatnonzero((up > 0) & (poa_global > 0) & np.isfinite(clearness_index))
     measured = poa_global[by_day] / SOLAR_CONSTANT
     beam = np.maximum(aoi_projection[by_day], 0.0)
     view = (1.0 + np.cos(np.radians(surface_tilt))) / 2.0  # of the sky
@@ -187,8 +188,8 @@ def clearness(
         diffuse = DIFFUSE[(middle * (len(DIFFUSE) - 1)).astype(int)]
         light = middle * (beam + diffuse * (sky - beam) + ground)
         low += width * (light < measured)
-    found[by_day] = low + width / 2.0
-    return found
+    clearness_index[by_day] = low + width / 2.0
+    return clearness_index
 
 
 def on_plane(

@@ -81,8 +81,8 @@ def in_plane(columns: Any, index: Any, place: dict, transposition: Any) -> Any:
     if is_split(columns):
         dni, dhi = (pd.Series(np.asarray(columns[n], float), index) for n in PARTS)
     else:
-        found = irradiance.erbs(ghi, zenith, index)
-        dni, dhi = found["dni"], found["dhi"]
+        components = irradiance.erbs(ghi, zenith, index)
+        dni, dhi = components["dni"], components["dhi"]
     plane = angles_at(index, place)
     with np.errstate(invalid="ignore", divide="ignore"):
         parts = irradiance.get_total_irradiance(
