@@ -197,10 +197,10 @@ class Effect:
     @property
     def constants(self) -> Mapping[str, float]:
         """Constants of its function and of its drivers, with their defaults."""
-        found = {}
+        values = {}
         for driver in self.drivers:
-            found |= constants(driver)
-        return found | own_constants(self.terms, besides=self.parameters)
+            values |= constants(driver)
+        return values | own_constants(self.terms, besides=self.parameters)
 
     def made(self, **settings: Any) -> "Effect":
         """

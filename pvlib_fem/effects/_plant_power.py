@@ -37,13 +37,13 @@ def form(effect: Any, power: Any, columns: Any) -> Any:
     """The form of one column of power."""
     kind = power.removeprefix("power")
     names = tuple(n if n in USED else f"{n}{kind}" for n in columns)
-    found = replace(
+    variant = replace(
         effect, columns=names, source=power, settings={"source": power}, variants=()
     )
     return replace(
-        found,
-        make=partial(of_relation, found),
-        prepare=partial(of_record, found),
+        variant,
+        make=partial(of_relation, variant),
+        prepare=partial(of_record, variant),
     )
 
 

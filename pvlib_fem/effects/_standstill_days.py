@@ -151,10 +151,10 @@ class Days:
         best = (0.0, 0, 0)
         for length in lengths.tolist():
             first = np.arange(len(self.dates) - length + 1)
-            found, _ = falls(*total.between(first, first + length).directed)
-            at = largest(found)
-            if found[at] > best[0]:
-                best = float(found[at]), at, at + length
+            reductions, _ = falls(*total.between(first, first + length).directed)
+            at = largest(reductions)
+            if reductions[at] > best[0]:
+                best = float(reductions[at]), at, at + length
         return best
 
     def errors(self, total: Sums, first: int, last: int, way: str) -> float:
@@ -199,14 +199,14 @@ class Days:
         be days without rows, as those of test weeks, of which nothing is known.
         """
         begins, ends = np.arange(last), np.arange(first + 1, len(self.dates) + 1)
-        found, _ = falls(*total.between(begins, np.full(len(begins), last)).plain)
-        shortfall = 1.0 - found / found.max()
+        reductions, _ = falls(*total.between(begins, np.full(len(begins), last)).plain)
+        shortfall = 1.0 - reductions / reductions.max()
         start = int(self.dates[begins[shortfall * errors**2 <= NOTHING][-1]])
         good = begins[shortfall * min(errors, MOST_SURE) ** 2 <= AS_GOOD]
         before = self.dates[good[0] - 1] + 1 if good[0] else self.dates[0]
         began = int(before), int(self.dates[good[-1]])
-        found, _ = falls(*total.between(np.full(len(ends), first), ends).plain)
-        shortfall = 1.0 - found / found.max()
+        reductions, _ = falls(*total.between(np.full(len(ends), first), ends).plain)
+        shortfall = 1.0 - reductions / reductions.max()
         end = int(self.dates[ends[shortfall * errors**2 <= NOTHING][0] - 1]) + 1
         good = ends[shortfall * min(errors, MOST_SURE) ** 2 <= AS_GOOD]
         after = np.append(self.dates, self.dates[-1] + 1)[good[-1]]

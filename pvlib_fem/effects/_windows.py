@@ -154,10 +154,10 @@ class Sky:
         ]
         total = -total if cut else total
         starts = self.starts(total, there, weigh, ends)
-        found = [climb(total, there, weigh, start, ends) for start in starts]
-        if not found:
+        climbs = [climb(total, there, weigh, start, ends) for start in starts]
+        if not climbs:
             return mask, 0.0
-        (low, high, start, end), gain = found[largest([gain for _, gain in found])]
+        (low, high, start, end), gain = climbs[largest([gain for _, gain in climbs])]
         new = mask.copy()
         new[low:high, start:end] = not cut
         return new, gain
@@ -310,8 +310,8 @@ def certainty(
     With ``few``, Student's t is converted to a normal deviate of equal probability. The
     sun crosses a small window in few weeks, whose spread is uncertain.
     """
-    found = np.linalg.lstsq(known, np.column_stack([column, rest]), rcond=None)[0]
-    column, rest = column - known @ found[:, 0], rest - known @ found[:, 1]
+    slopes = np.linalg.lstsq(known, np.column_stack([column, rest]), rcond=None)[0]
+    column, rest = column - known @ slopes[:, 0], rest - known @ slopes[:, 1]
     share = (column @ rest) / max(column @ column, 1e-300)
     week = np.unique(weeks, return_inverse=True)[1]
     scores = np.bincount(week, column * (rest - share * column))

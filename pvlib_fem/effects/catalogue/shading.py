@@ -162,15 +162,15 @@ def scan(
     azimuth = np.degrees(np.arctan2(own["east"], own["north"])) % 360.0
     sun = azimuth, own["up"] / own["clear"]
     rest, weeks = rest[lit], weeks[lit]
-    found = {
+    windows_by_kind = {
         sensor: find_windows(rest, tangent, basis, sun, weeks, sign, least, rows)
         for sensor, tangent, sign in (
             (False, own["share"], 1.0),
             (True, own["unseen"], -1.0),
         )
     }
-    sensor = found[True][0] > found[False][0]
-    windows = found[sensor][1]
+    sensor = windows_by_kind[True][0] > windows_by_kind[False][0]
+    windows = windows_by_kind[sensor][1]
     return within(windows, sensor=sensor) if windows else None
 
 

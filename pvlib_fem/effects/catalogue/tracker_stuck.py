@@ -179,10 +179,10 @@ def scanned(
     others = [column for name, column in tangents.items() if name not in keys]
     *own, even = (tangents[key] for key in keys)
     basis = orthonormal(others)
-    found = find_standstill(rest, own, even, angles, basis, columns["day"], least)
-    if found is None:
+    best = find_standstill(rest, own, even, angles, basis, columns["day"], least)
+    if best is None:
         return None
-    angle, start, end, *intervals = found
+    angle, start, end, *intervals = best
     ((tilt, turn),) = axis.planes(np.array([angle])).round(1).tolist()
     between, ended = ([written(day) for day in days] for days in intervals)
     return standing(written(start), written(end), tilt, turn, between, ended)
