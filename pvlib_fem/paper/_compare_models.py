@@ -99,9 +99,9 @@ def compare_models(
     >>> from pvlib_fem import datasets
     >>> data = datasets.synthetic(days=8, step=300)
     >>> names = ["poa_global", "temp_air", "wind_speed", "temp_module"]
-    >>> found = compare_models(*(data[name] for name in names), models="faiman",
+    >>> comparison = compare_models(*(data[name] for name in names), models="faiman",
     ...                 comparators="prilliman")
-    >>> found.best()
+    >>> comparison.best()
     'faiman'
     """
     chosen, others = names_of(models), names_of(comparators)

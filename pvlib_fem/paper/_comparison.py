@@ -148,5 +148,5 @@ class Comparison:
 
 def wide(table: Any, score: Any, rows: Any) -> Any:
     """One score with a column per model; rows and columns keep their order."""
-    found = table.pivot_table(score, rows, "model", sort=False, dropna=False)
-    return found.reindex(index=table[rows].unique(), columns=table["model"].unique())
+    by_model = table.pivot_table(score, rows, "model", sort=False, dropna=False)
+    return by_model.reindex(index=table[rows].unique(), columns=table["model"].unique())

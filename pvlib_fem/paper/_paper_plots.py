@@ -66,7 +66,7 @@ def plot_resistances(
     windy = paper.r_m(*record, high_wind)
     ax = new_axes(ax)
     ends = np.array([0.0, 1.05 * frame["poa_global"].max()])
-    for rows, found, name, condition, colour, marker, style in (
+    for rows, estimate, name, condition, colour, marker, style in (
         (
             frame["wind_speed"] < calm_wind,
             calm,
@@ -89,8 +89,8 @@ def plot_resistances(
         dots: Look = dict(color=colour, marker=marker, linestyle="", markersize=4)
         points = frame[rows]
         ax.plot(points["poa_global"], points["over"], alpha=0.6, mfc="none", **dots)
-        words = f"{condition}: {name} = {1e3 * found.value:.1f} mK/(W/m²)"
-        line = found.intercept + found.value * ends
+        words = f"{condition}: {name} = {1e3 * estimate.value:.1f} mK/(W/m²)"
+        line = estimate.intercept + estimate.value * ends
         ax.plot(ends, line, color=colour, linestyle=style, label=words)
     ax.axhline(0.0, color=ink(), linewidth=0.8)
     ax.set_xlim(*ends)

@@ -93,10 +93,12 @@ def fit_paper(
     """
     train, kept = frame.counts, ~frame.out
     stages = paper_stages(target, frame.record, train, kept, calm_wind, offset, notes)
-    found, own = last(stages)[1], frame.ended(*requests_of(stages), ())[1]
+    coefficients, own = last(stages)[1], frame.ended(*requests_of(stages), ())[1]
     notes.append("no errors: the paper's recipe gives none")
     return FemFit(
-        **of_minimum(target, found, dict.fromkeys(found, np.nan), (), True),
+        **of_minimum(
+            target, coefficients, dict.fromkeys(coefficients, np.nan), (), True
+        ),
         **own,
         method="paper",
         notes=tuple(notes),
@@ -152,15 +154,16 @@ def paper_stages(
     filtered = recipe(steady_model.name, rows, calm_wind, offset)
     notes += [
         f"{step}: {estimate.note}"
-        for step, found in (("standard", plain), ("filter", filtered))
-        for estimate in found.values()
+        for step, estimates in (("standard", plain), ("filter", filtered))
+        for estimate in estimates.values()
         if estimate.note
     ]
     points = {name: estimate.points for name, estimate in filtered.items()}
     steady = ThermalModel(steady_model, "steady")
     without_filter, values = (
-        {name: estimate.value for name, estimate in found.items()} | steady_model.fixed
-        for found in (plain, filtered)
+        {name: estimate.value for name, estimate in estimates.items()}
+        | steady_model.fixed
+        for estimates in (plain, filtered)
     )
     memory = {}
     if target.dynamics == "ewm":
@@ -246,12 +249,12 @@ def recipe(model: str, record: Any, calm_wind: float = 0.5, offset: Any = 0.0) -
         If a step has too few points, or the coefficients make no model.
     """
     if model in ("wm1", "wm2"):
-        found = {"k": calm_line(record, calm_wind, offset)}
+        estimates = {"k": calm_line(record, calm_wind, offset)}
         if model == "wm1":
-            k = found["k"].value
-            found["d"] = paper.d(*[*record, k], offset=offset or 0.0)
+            k = estimates["k"].value
+            estimates["d"] = paper.d(*[*record, k], offset=offset or 0.0)
         else:
-            found["k_w"] = paper.k_w(*record, intercept=offset is None)
+            estimates["k_w"] = paper.k_w(*record, intercept=offset is None)
     else:
         frame = paper.averages(*record).dropna()
         frame["over"] -= offset or 0.0
@@ -261,15 +264,15 @@ def recipe(model: str, record: Any, calm_wind: float = 0.5, offset: Any = 0.0) -
             frame = frame[(frame["poa_global"] > 200) & (frame["over"] > 0)]
         remedy = "use a longer record"
         paper.enough(model, len(frame), paper.MIN_POINTS, condition, remedy)
-        found = one_regression(model, frame, intercept=offset is None)
-    possible(model, found)
-    return found
+        estimates = one_regression(model, frame, intercept=offset is None)
+    possible(model, estimates)
+    return estimates
 
 
-def possible(model: str, found: dict) -> None:
+def possible(model: str, estimates: dict) -> None:
     """Refuse coefficients that are invalid for the model."""
     try:
-        STEADY_MODELS[model].complete({n: e.value for n, e in found.items()})
+        STEADY_MODELS[model].complete({n: e.value for n, e in estimates.items()})
     except ValueError as error:
         raise refusal(
             f"the paper's regressions give no model: {error}; use ",

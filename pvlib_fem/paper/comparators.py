@@ -338,7 +338,7 @@ def fitted(comparator: Any, drivers: Any, temp_module: pd.Series, rows: Any) -> 
         error = measured - answer.to_numpy()[rows]
         return error[np.isfinite(error)]
 
-    found = least_squares(
+    minimum = least_squares(
         residual,
         [row.start for row in table],
         bounds=([row.lower for row in table], [row.upper for row in table]),
@@ -347,7 +347,7 @@ def fitted(comparator: Any, drivers: Any, temp_module: pd.Series, rows: Any) -> 
         xtol=1e-6,
         ftol=1e-8,
     )
-    return dict(zip(names, found.x.tolist()))
+    return dict(zip(names, minimum.x.tolist()))
 
 
 def marked(rows: Any, index: Any) -> Any:
