@@ -166,7 +166,7 @@ layout_options = added(
     column(
         "--module-area",
         type=click.FloatRange(min=0, min_open=True),
-        help="Area of the modules whose power p_dc_per_area is in W or kW [m²].",
+        help="Area of the modules whose power p_dc_per_area is in W, kW or MW [m²].",
     ),
     column(
         "--no-unit-check",

@@ -66,6 +66,7 @@ UNITS = {
         "kW/m²": (1000.0, 0.0),
         "W": (1.0, 0.0),
         "kW": (1000.0, 0.0),
+        "MW": (1e6, 0.0),
     },
     "power": {"W": (1.0, 0.0), "kW": (1000.0, 0.0), "MW": (1e6, 0.0)},
     "depth": {
@@ -77,7 +78,7 @@ UNITS = {
 }
 #: what falls in one step, of which its length makes a rate
 AMOUNTS = {"rain": ("mm", "in"), "irradiance": ("Wh/m²", "kWh/m²", "J/cm²")}
-WHOLE = ("W", "kW")  # power of all modules, of which their area makes a density
+WHOLE = ("W", "kW", "MW")  # power of all modules, of which their area makes a density
 #: other spellings, as :func:`plain` leaves them
 SPELLINGS = {
     "W/m²": ("w/m2", "wm2", "wm-2", "w/sqm", "watt/m2", "watts/m2"),

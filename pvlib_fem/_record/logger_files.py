@@ -61,7 +61,7 @@ def read_file(
     check_units : bool, default True
         Refuse a column whose header names another unit, where it is not converted.
     module_area : float, optional
-        Area of the modules whose power is in W or kW. [m²]
+        Area of the modules whose power is in W, kW or MW. [m²]
     **layout
         ``time``: column of the times, or those of their parts, such as a date and a
         time of day; by default the first. ``time_format``, default ISO 8601; ``unix``,
@@ -131,7 +131,7 @@ def frame(
     check_units : bool, default True
         Refuse a column whose header names another unit, where it is not converted.
     module_area : float, optional
-        Area of the modules whose power is in W or kW. [m²]
+        Area of the modules whose power is in W, kW or MW. [m²]
 
     Returns
     -------

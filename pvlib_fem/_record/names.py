@@ -7,8 +7,10 @@ from typing import Any
 import pandas as pd
 
 from pvlib_fem._record.column_names import ALIASES, COLUMNS, GEOMETRY
-from pvlib_fem._record.header_units import QUANTITIES, usual_name_of
+from pvlib_fem._record.header_units import QUANTITIES, named_unit, usual_name_of
 
+#: at the start of a name: neither a factor, nor another power, nor a limit
+TRUE_POWER = r"^(?!.*(fa[ck]tor|reac|appar|blind|schein|limit|set))"
 #: column: names that loggers have for it, the surest first
 NAMES = {
     "poa_rear": (
@@ -48,10 +50,14 @@ NAMES = {
     # power by area is never guessed: a plant's would be taken for it
     "power_dc": (r"^p[\s_.-]?dc|dc[\s_.-]*(power|leist)|(power|leist\w*)[\s_.-]*dc",),
     "power_ac": (
-        r"^p[\s_.-]?ac(\b|_|\d)|ac[\s_.-]*(power|leist)|(power|leist\w*)[\s_.-]*ac",
-        r"^(?!.*(fa[ck]tor|reac|appar|blind|schein|limit|set)).*(power|leistung)",
+        rf"{TRUE_POWER}((.*[\W_])?p[\s_.-]?ac(\b|_|\d)|.*ac[\s_.-]*(power|leist)|"
+        r".*(power|leist\w*)[\s_.-]*ac)",
+        rf"{TRUE_POWER}.*(power|leistung)",
+        rf"{TRUE_POWER}.*(production|generation|output|erzeug|produktion|einspeis).*watt",
     ),
 }
+#: quantity whose unit a header names in brackets, as a word of its name
+UNIT_WORDS = {"temp_air": "temp", "power_ac": "watt"}
 #: drivers of effects and cross-checks: columns in addition to the usual four
 DRIVERS = tuple(name for name in NAMES if name not in COLUMNS)
 #: words before a name that say where its sensor is
@@ -62,6 +68,9 @@ NOT = re.compile(
     r"(tracker|axis|module|panel|array|surface)[\s_.-]*tilt|tilt[\s_.-]*(angle|deg)|^tilt$",
     re.IGNORECASE,
 )
+
+
+FEWEST_RISES = 10  # of a counter; a flag that is set once is none
 
 
 def mapped(data: dict, columns: dict, names: tuple, doubts: list) -> dict:
@@ -93,7 +102,7 @@ def mapped(data: dict, columns: dict, names: tuple, doubts: list) -> dict:
         if name not in names or name in columns or name in there:
             continue
         for sure, pattern in enumerate(NAMES[name]):
-            matching = [c for c in free if re.search(pattern, spelled(c))]
+            matching = [c for c in free if looks_like(pattern, c)]
             if matching:
                 columns[name] = matching[0]
                 free.remove(matching[0])
@@ -113,6 +122,14 @@ def add_doubts(name: str, matching: list, sure: int, doubts: list) -> None:
         doubts.append(
             f"{matching[0]!r} has to be in the plane of the module, not horizontal"
         )
+
+
+def looks_like(pattern: str, column: str) -> bool:
+    """Whether a name has a pattern, by itself or with the word of its unit."""
+    name = spelled(column)
+    units = " ".join(re.findall(r"[\[({].*?[\])}]", str(column)))
+    words = [word for n, word in UNIT_WORDS.items() if named_unit(n, units)]
+    return any(re.search(pattern, " ".join([name, *w])) for w in ([], words))
 
 
 def spelled(column: str) -> str:
@@ -168,7 +185,7 @@ def usual_name(column: str) -> Any:
     if NOT.search(without_unit(column)):
         return None
     for name, patterns in NAMES.items():
-        if any(re.search(pattern, spelled(column)) for pattern in patterns):
+        if any(looks_like(pattern, column) for pattern in patterns):
             return name
     return None
 
@@ -239,6 +256,8 @@ def why_unused(column: str, values: pd.Series, taken: set) -> str:
         return "constant"
     if (step := values.diff().dropna()).min() == step.max() != 0:
         return "a count of the rows"
+    if step.min() >= 0 and (step > 0).sum() >= FEWEST_RISES:
+        return "a counter, since it never falls"
     if word := NOT.search(without_unit(column)):
         return f"another quantity, by {word[0].strip('_')!r} in the name"
     if (name := usual_name(column)) in taken:

@@ -284,8 +284,9 @@ def test_every_unit_has_a_spelling_and_its_own_is_left_as_it_is():
 def test_amounts_of_rain_and_power_of_a_plant_need_what_they_are_of():
     rain = converted(pd.Series([0.2]), "precipitation", "mm", hours=1 / 6)
     assert rain[0] == pytest.approx(1.2)  # mm/h: 0.2 mm in ten minutes
-    power = converted(pd.Series([24.0]), "p_dc_per_area", "kW", area=120.0)
-    assert power[0] == pytest.approx(200.0)
+    for unit, size in {"W": 24e3, "kW": 24.0, "MW": 0.024}.items():
+        power = converted(pd.Series([size]), "p_dc_per_area", unit, area=120.0)
+        assert power[0] == pytest.approx(200.0)
     with pytest.raises(ValueError, match="area of the modules"):
         converted(pd.Series([24.0]), "p_dc_per_area", "kW")
     with pytest.raises(ValueError, match=r"cannot be in 'furlong'; it may be in m/s"):

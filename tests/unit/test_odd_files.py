@@ -259,6 +259,17 @@ def test_letters_of_two_zones_are_of_the_first_in_the_file():
         ("Thermocouple 3", "temp_module"),
         ("Rückseite Einstrahlung (W/m²)", "poa_rear"),
         ("Einstrahlung_Rueckseite", "poa_rear"),
+        ("Ambient [K]", "temp_air"),
+        ("Panel (°F)", "temp_module"),
+        ("T_m (°C)", "temp_module"),
+        ("Ambient light (lux)", None),
+        ("PV1.INV.PAC", "power_ac"),
+        ("inv2_Pac_kW", "power_ac"),
+        ("System Production (W)", "power_ac"),
+        ("Erzeugung [kW]", "power_ac"),
+        ("Production (kWh)", None),
+        ("Production unit", None),
+        ("Pac_limit", None),
         ("Luftdruck G", None),
         ("Event", None),
         ("TC_status", None),
@@ -266,6 +277,17 @@ def test_letters_of_two_zones_are_of_the_first_in_the_file():
 )
 def test_headers_of_other_languages_are_known(header, name):
     assert usual_name(header) == name
+
+
+def test_a_counter_is_listed_as_one(plant, tmp_path):
+    """It is no column of power, whatever its unit."""
+    data = plant[list(COLUMNS)].assign(power_ac=plant["poa_global"].clip(lower=0.0))
+    data["Lifetime (Wh)"] = data["power_ac"].cumsum()
+    data["door opened"] = 1.0 * (np.arange(len(data)) > 100)
+    data.to_csv(path := tmp_path / "plant.csv", index_label="time")
+    shown = call("loop", path, "--guess").output
+    assert "- not mapped, a counter, since it never falls: 'Lifetime (Wh)'" in shown
+    assert "- not mapped, no known name: 'door opened'" in shown
 
 
 def test_a_file_is_screened_by_a_command(plant, tmp_path):
