@@ -2,6 +2,7 @@
 
 import json
 import math
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum, StrEnum
@@ -16,6 +17,8 @@ from pvlib_fem._renamed_effects import warn_of_new_name
 
 #: a number that may be NaN or infinite; a float is finite
 AnyFloat = Annotated[float, "may be NaN or infinite"]
+WHOLE = 2**63
+MOST = sys.float_info.max  # a whole number of JSON can be larger
 
 
 class WrongValue(Exception):
@@ -39,10 +42,24 @@ def write_number(value: Any) -> Any:
     return value
 
 
+def read_float(value: Any, _: Any) -> float:
+    if abs(checked(value, "a number", int, float)) > MOST:
+        raise WrongValue(value, "a number of double precision")
+    # numpy has no number for a whole one of more than 64 bits
+    return value if abs(value) < WHOLE else float(value)
+
+
+def read_time(value: Any, _: Any) -> pd.Timestamp:
+    found = pd.Timestamp(checked(value, "a time", str))
+    if pd.isna(found):
+        raise WrongValue(value, "a time")
+    return found
+
+
 def read_any_float(value: Any, _: Any) -> float:
     if value is None or value in ("inf", "-inf"):
         return math.nan if value is None else float(value)
-    return checked(value, "a number", int, float)
+    return read_float(value, _)
 
 
 def read_count(value: Any, _: Any) -> int:
@@ -138,8 +155,8 @@ def converter() -> Any:
     made.register_structure_hook(str, lambda v, _: checked(v, "a text", str))
     made.register_structure_hook(bool, lambda v, _: checked(v, "true or false", bool))
     made.register_structure_hook(int, read_count)
-    made.register_structure_hook(float, lambda v, _: checked(v, "a number", int, float))
-    made.register_structure_hook(pd.Timestamp, lambda value, _: pd.Timestamp(value))
+    made.register_structure_hook(float, read_float)
+    made.register_structure_hook(pd.Timestamp, read_time)
     for kind in (Enum, StrEnum):  # the latter is a str, too
         made.register_unstructure_hook(kind, write_member)
         made.register_structure_hook(kind, read_member)
@@ -193,7 +210,9 @@ def error_in_words(error: Any, file: str, place: str) -> str:
     """
     while isinstance(error, ExceptionGroup):
         error = error.exceptions[0]
-        note = error.__notes__[-1]  # of cattrs: a field, or a key
+        if not (notes := getattr(error, "__notes__", [])):  # of the whole object
+            continue
+        note = notes[-1]  # of cattrs: a field, or a key
         place += f"{getattr(note, 'name', None) or note.index}."
     if isinstance(error, KeyError):
         return f"{file} has no {place.removesuffix(f'{error.args[0]}.')}{error.args[0]}"

@@ -146,7 +146,9 @@ class Because:
                 if key not in ("reason", "words")
             }
             reasons.append(because(Reason[one["reason"]], **values))
-        return together(reasons)
+        found = together(reasons)
+        str(found)  # a value that its sentence cannot have is refused here
+        return found
 
     def __hash__(self) -> int:
         return hash(str(self))

@@ -75,6 +75,29 @@ class Times:
         origin = str(plain(corrected[0]))
         return cls(zone_name(index), first, last, offsets, tuple(lost), origin, clock)
 
+    def in_zone(self, index: pd.Index) -> pd.Index:
+        """
+        Some times in the zone of the record, whose days and hours are meant.
+
+        Parameters
+        ----------
+        index : Index
+
+        Returns
+        -------
+        Index
+            The same instants; unchanged if one has no zone, or that of the record has
+            a name that pandas does not know.
+        """
+        if not isinstance(index, pd.DatetimeIndex) or index.tz is None:
+            return index
+        if zone_name(index) == self.zone or not self.zone:
+            return index
+        try:
+            return index.tz_convert(self.zone)
+        except (KeyError, ValueError, OSError):  # of a zone that names itself only
+            return index
+
     def inside(self, index: pd.Index) -> np.ndarray:
         """Find the times that lie within the record, in its zone."""
         times = datetimes(index)

@@ -112,6 +112,12 @@ def loop_parts(
         ``week_rows``, ``yearly_energy`` and, if it is in the file, ``own_ceiling``.
     """
     rows = content.read("table", dict[str, dict[str, AnyFloat]])
+    for name in ("base", "last"):
+        if (step := content.read(name, str)) not in rows:
+            raise ValueError(
+                f"{content.file}: {name} is {step!r}, and no row of the table: "
+                f"{', '.join(rows)}"
+            )
     criteria = content.part("criteria").content
     limits = Limits(**criteria["limits"])
     attributes = dict(

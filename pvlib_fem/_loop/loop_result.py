@@ -317,6 +317,8 @@ class Loop:
     ) -> tuple[pd.DataFrame, np.ndarray]:
         """Correct the times of ``data``; return rows with a time, and their mask."""
         refuse_no_frame(data)
+        if self.times is not None:
+            data = data.set_axis(self.times.in_zone(data.index))
         if self.times is None or not correct_times:
             return data, np.ones(len(data), dtype=bool)
         index, known = self.times.corrected(data.index)
@@ -426,7 +428,7 @@ class Loop:
         timed, known = self.timed(data, correct_times)
         measured = with_aliases(timed, ["temp_module"])["temp_module"]
         if self.times is not None and correct_times:
-            rows = self.times.inside(data.index)[known]
+            rows = self.times.inside(self.times.in_zone(data.index))[known]
             measured = measured.where(
                 ~rows, self.times.of_module(timed.index, measured)
             )

@@ -10,7 +10,7 @@ import pandas as pd
 
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.inputs import Inputs, read
-from pvlib_fem._statistics.axes import Axis, calendar_of
+from pvlib_fem._statistics.axes import CLOCK, Axis, calendar_of
 from pvlib_fem._statistics.tables import Table, joined
 from pvlib_fem._thermal.model import as_in_a_fit
 from pvlib_fem.drivers import behind, completed
@@ -36,6 +36,20 @@ class Pattern:
     axes: tuple[Axis, ...]
     means: tuple[float, ...] = field(repr=False)
     zone: str = ""
+
+    def __post_init__(self) -> None:  # what a file may have wrong
+        cells = int(np.prod([len(axis.labels) for axis in self.axes]))
+        if len(self.means) != cells:
+            raise ValueError(f"it has {len(self.means)} means for {cells} cells")
+        for axis in self.axes:
+            if not axis.column and axis.name not in CLOCK:
+                raise ValueError(f"{axis.name} is none of {', '.join(CLOCK)}")
+            if axis.cuts and len(axis.cuts) != axis.known - 1:
+                raise ValueError(
+                    f"{axis.name} has {len(axis.cuts)} cuts for {axis.known} bins"
+                )
+            if list(axis.cuts) != sorted(axis.cuts):
+                raise ValueError(f"the cuts of {axis.name} do not rise")
 
     @classmethod
     def of(cls, table: Table, index: pd.DatetimeIndex) -> Self:

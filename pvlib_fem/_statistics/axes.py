@@ -122,9 +122,14 @@ class Axis:
         found = cls(name, labels=labels, column=column, cyclic=cyclic, cuts=cuts)
         return replace(found, bins=found.numbers(values))
 
+    @property
+    def known(self) -> int:
+        """Number of bins without that of missing values."""
+        return len(self.labels) - (self.labels[-1] == MISSING)
+
     def numbers(self, values: np.ndarray) -> np.ndarray:
         """Bin of each of some values; -1 for a missing one without a bin."""
-        count = len(self.labels) - (self.labels[-1] == MISSING)
+        count = self.known
         if self.column == "wind_direction":
             bins = np.round(np.nan_to_num(values) * count / 360.0).astype(int) % count
         else:

@@ -15,14 +15,15 @@ from pvlib_fem._record.checks import (
 )
 
 
-def checked(**series: pd.Series | None) -> Any:
+def checked(optional: tuple[str, ...] = (), **series: pd.Series | None) -> Any:
     """
     The one index of some Series, and their values.
 
     Parameters
     ----------
+    optional : tuple of str, optional
+        Names of those that may be None.
     **series : Series or None
-        At least one is not None.
 
     Returns
     -------
@@ -37,7 +38,7 @@ def checked(**series: pd.Series | None) -> Any:
     ValueError
         If the indexes differ, times are not sorted, or a value is infinite or text.
     """
-    given = {name: one for name, one in series.items() if one is not None}
+    given = {n: s for n, s in series.items() if s is not None or n not in optional}
     for name, one in given.items():
         if not isinstance(one, pd.Series):
             raise TypeError(

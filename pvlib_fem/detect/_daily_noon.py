@@ -44,6 +44,8 @@ def noons(
         For each day. [min]
     """
     limits, step = Limits(), usual_step(index)
+    if not step > 0.0:  # of a single row
+        return pd.Series(dtype=float)
     seconds, values = regular(seconds_of(index), values, step)
     full = np.nanquantile(values, BEST) if np.isfinite(values).any() else 0.0
     if not full > 0.0:

@@ -19,6 +19,7 @@ from pvlib_fem.drivers._mounts import angles_at
 from pvlib_fem.quality._clearsky import clear_sky
 
 POWER, TWIN = "power_ac", "wind_speed_2"  # names by which a comparison is found
+ARGUMENTS = {POWER: "power", TWIN: "reference"}  # and those of its argument
 STANDARD = 25.0  # °C, where no module temperature is given
 LIGHT = Law(
     np.arange(-1.0, 1.0, 0.02),  # logarithms
@@ -64,8 +65,8 @@ def compared_with(
     found = references.compared(comparison, Columns(index, columns), name, values)
     if found is None:
         raise ValueError(
-            f"fewer than {comparison.fewest} days can be compared with {name}; give a "
-            "longer record"
+            f"fewer than {comparison.fewest} days can be compared with "
+            f"{ARGUMENTS.get(name, name)}; give a longer record"
         )
     return found
 
@@ -136,7 +137,7 @@ def irradiance_changes(
     if location is None and power is None:
         raise ValueError("there is nothing to compare with: give location, or power")
     given = {"poa_global": poa_global, "power": power, "temp_module": temp_module}
-    index, (poa, fed, module) = checked(**given)
+    index, (poa, fed, module) = checked(("power", "temp_module"), **given)
     if module is None:
         module = np.full(len(index), STANDARD)
     found = []
@@ -225,7 +226,8 @@ def slow_anemometer(
     >>> [(f"{day:%Y-%m-%d}", round(by, 2)) for day, by in found.steps]
     [('2023-08-01', -0.3)]
     """
-    index, (wind, other) = checked(wind_speed=wind_speed, reference=reference)
+    given = {"wind_speed": wind_speed, "reference": reference}
+    index, (wind, other) = checked(("reference",), **given)
     if other is None:
         one = compared_with(USUAL_WIND, np.ones(len(index)), index, wind_speed=wind)
     else:

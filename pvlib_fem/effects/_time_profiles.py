@@ -36,11 +36,14 @@ def number(date: str) -> float:
     ValueError
         If it is no date.
     """
+    words = f"{date!r} is no date; give one such as '2012-04-01'"
     try:
-        return (pd.Timestamp(date) - pd.Timestamp(0)) / pd.Timedelta("1D")
+        found = (pd.Timestamp(date) - pd.Timestamp(0)) / pd.Timedelta("1D")
     except (TypeError, ValueError) as error:
-        words = f"{date!r} is no date; give one such as '2012-04-01'"
         raise ValueError(words) from error
+    if pd.isna(found):  # of "NaT", or an empty text
+        raise ValueError(words)
+    return found
 
 
 def written(day: float) -> str:

@@ -165,3 +165,26 @@ def test_what_cannot_be_compared_is_refused(record):
         detect.data_shifts(poa[:5000])
     with pytest.raises(ValueError, match="0 days have sun"):
         detect.detached_module_sensor(poa * 0, poa * 0, poa * 0)
+
+
+@pytest.mark.parametrize("check", ["module", "irradiance", "wind", "stream", "clock"])
+def test_a_series_that_is_none_is_refused_by_name(record, check):
+    poa = record["poa_global"]
+    place = Location(RHINE.latitude, RHINE.longitude, tz=RHINE.tz)
+    calls = {
+        "module": lambda: detect.detached_module_sensor(None, poa, poa),
+        "irradiance": lambda: detect.irradiance_changes(None, power=poa),
+        "wind": lambda: detect.slow_anemometer(None, poa),
+        "stream": lambda: detect.data_shifts(None),
+        "clock": lambda: detect.time_shifts(None, place),
+    }
+    with pytest.raises(TypeError, match=r"is a NoneType; give a pandas Series"):
+        calls[check]()
+
+
+def test_a_comparison_that_fails_has_the_name_of_its_argument(record):
+    poa, wind = record["poa_global"], record["wind_speed"]
+    with pytest.raises(ValueError, match="be compared with power; "):
+        detect.irradiance_changes(poa, power=0.0 * poa)
+    with pytest.raises(ValueError, match="be compared with reference; "):
+        detect.slow_anemometer(wind, 0.0 * wind)

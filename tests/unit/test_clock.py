@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import COLUMNS, measured
+from pvlib.location import Location
 
 from pvlib_fem import close_loop, datasets, ewm, fit_fem, simulator
 from pvlib_fem._record.inputs import as_record
@@ -140,6 +141,28 @@ def test_the_zone_of_the_index_does_not_matter():
     data = simulator.record(ALBUQUERQUE, OUTDOORS, 20, 60.0, 1)
     here, there = (clock_shift(checked(d)) for d in (data, data.tz_convert("UTC")))
     assert here.late == pytest.approx(there.late, abs=1.0)
+
+
+def test_a_loop_corrects_the_clock_of_the_same_instants_in_any_zone():
+    """Clocks of all columns and of the module alone, and the day of a change."""
+    data = simulator.record(RHINE, OUTDOORS, 120, 900.0, 3, start="2023-04-01")
+    data = data[list(COLUMNS)]
+    data["temp_module"] = data["temp_module"].shift(3)
+    ahead = data.index + pd.to_timedelta(3600 * (np.arange(len(data)) > 6000), unit="s")
+    data = data.set_axis(ahead)[~ahead.duplicated()].iloc[3:]
+    place = Location(RHINE.latitude, RHINE.longitude, tz=RHINE.tz)
+    loop = close_loop(data, location=place)
+    assert {one.fault for one in loop.corrections if one.applied} == {
+        "clock_shift",
+        "file_jump",
+    }
+    for method in (loop.predict, loop.residual, loop.contributions):
+        found = method(data)
+        for zone in ("UTC", "Asia/Kathmandu", "Europe/Berlin"):
+            other = method(data.tz_convert(zone))
+            assert str(other.index.tz) == zone
+            pd.testing.assert_index_equal(other.index, found.index.tz_convert(zone))
+            assert np.array_equal(other, found, equal_nan=True)
 
 
 def test_the_measured_week_has_a_right_clock(week):

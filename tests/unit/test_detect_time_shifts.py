@@ -145,6 +145,11 @@ def test_a_record_without_light_has_no_clock(poa):
     assert "no clock" in str(found)
 
 
+def test_a_single_row_has_no_clock(poa):
+    found = detect.time_shifts(poa.iloc[50:51], place(RHINE))
+    assert found.minutes.isna().all() and found.jumps == ()
+
+
 def test_jumps_are_counted_as_the_page_says():
     day = pd.Timestamp("2023-06-01")
     true = [(day, 60.0), (day + pd.Timedelta(days=90), -60.0)]

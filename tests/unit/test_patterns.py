@@ -1,5 +1,6 @@
 """Errors that repeat without a known cause are in the predictions."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -86,6 +87,26 @@ def test_a_file_keeps_them(closed, tmp_path):
     loop.to_json(tmp_path / "loop.json")
     again = fem.Loop.from_json(tmp_path / "loop.json")
     pd.testing.assert_series_equal(again.predict(data), loop.predict(data))
+
+
+WRONG = [
+    (lambda c: c["means"].pop(), r"\d+ means for \d+ cells"),
+    (lambda c: c["axes"][0]["cuts"].pop(), r"\d+ cuts for \d+ bins"),
+    (lambda c: c["axes"][0]["cuts"].reverse(), "the cuts of hour do not rise"),
+    (lambda c: c["axes"][0].update(name="era"), "era is none of hour, weekend, month"),
+]
+
+
+@pytest.mark.parametrize(("damage", "message"), WRONG)
+def test_a_table_of_a_file_that_is_not_whole_is_refused(
+    closed, tmp_path, damage, message
+):
+    closed[1].to_json(path := tmp_path / "loop.json")
+    content = json.loads(path.read_text("utf-8"))
+    damage(content["patterns"][0])
+    path.write_text(json.dumps(content), "utf-8")
+    with pytest.raises(ValueError, match=rf"loop.json: patterns.0 .*{message}"):
+        fem.Loop.from_json(path)
 
 
 def test_hours_are_those_of_the_record_in_any_zone(closed):

@@ -307,6 +307,30 @@ def test_a_wrong_value_deep_in_a_loop_is_named_by_its_place(
         fem.Loop.from_json(tmp_path / "x.json")
 
 
+def test_parts_of_a_loop_that_do_not_fit_are_refused(files, tmp_path):
+    content = json.loads((files / "loop.json").read_text("utf-8"))
+    dated = {"name": "irradiance_sensor_step", "at": "NaT"}
+    vague = [{"reason": "DETECTABLE", "gain": "x"}]
+    for change, message in [
+        ({"last": "+dust"}, r"last is '\+dust', and no row of the table"),
+        ({"untestable": {"snow": vague}}, "untestable.snow is what no to_json wrote"),
+        ({"fit": content["fit"] | {"effects": [dated]}}, "'NaT' is no date"),
+    ]:
+        (tmp_path / "x.json").write_text(json.dumps(content | change))
+        with pytest.raises(ValueError, match=message):
+            fem.Loop.from_json(tmp_path / "x.json")
+
+
+@pytest.mark.parametrize("count", [10**30, 10**400])
+def test_a_whole_number_of_any_size_is_read_or_refused(count):
+    stored = Stored({"a": count}, "a.json")
+    if count > 10**308:
+        with pytest.raises(ValueError, match=r"a is 1000.*, where a number of double"):
+            stored.read("a", float)
+    else:
+        assert isinstance(stored.read("a", float), float)
+
+
 @pytest.mark.parametrize(
     ("key", "value", "message"),
     [
