@@ -102,8 +102,9 @@ def detached_module_sensor(
     2023-04-01  attached
     2023-06-01  detached
     """
-    columns = dict(temp_module=temp_module, temp_air=temp_air, poa_global=poa_global)
-    index, (module, air, poa) = checked(**columns)
+    index, (module, air, poa) = checked(
+        temp_module=temp_module, temp_air=temp_air, poa_global=poa_global
+    )
     rows = (poa > SUNNY) & np.isfinite(module + air)
     days, place = np.unique(numbers_of(index)[rows], return_inverse=True)
     if len(days) < FEWEST:
