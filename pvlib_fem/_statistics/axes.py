@@ -119,8 +119,8 @@ class Axis:
         """The axis of some values; missing ones get a bin of their own."""
         if not np.isfinite(values).all():
             labels = (*labels, MISSING)
-        found = cls(name, labels=labels, column=column, cyclic=cyclic, cuts=cuts)
-        return replace(found, bins=found.numbers(values))
+        axis = cls(name, labels=labels, column=column, cyclic=cyclic, cuts=cuts)
+        return replace(axis, bins=axis.numbers(values))
 
     @property
     def known(self) -> int:
@@ -243,8 +243,8 @@ def calendar_of(index: pd.Index) -> dict[str, np.ndarray]:
         and Sunday.
     """
     times = pd.DatetimeIndex(index)
-    found = {"hour": np.asarray(times.hour), "month": np.asarray(times.month)}
-    return found | {"weekend": np.asarray(times.day_of_week) >= 5}
+    calendar = {"hour": np.asarray(times.hour), "month": np.asarray(times.month)}
+    return calendar | {"weekend": np.asarray(times.day_of_week) >= 5}
 
 
 def sorted_by(name: str, values: np.ndarray) -> Axis | None:

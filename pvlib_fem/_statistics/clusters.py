@@ -68,8 +68,8 @@ class ClusterSums:
         # three times as fast as np.add.reduceat
         ends, days = np.append(self.clusters, self.days), np.arange(self.days)
         weeks = csr_array((np.ones(self.days), days, ends))
-        found = weeks @ self.sums.reshape(self.days, -1)
-        return found.reshape(-1, *self.sums.shape[1:])
+        sums = weeks @ self.sums.reshape(self.days, -1)
+        return sums.reshape(-1, *self.sums.shape[1:])
 
     def of_columns(self, kept: list | np.ndarray) -> "ClusterSums":
         """Sums of some columns and the residual."""
@@ -101,9 +101,9 @@ class ClusterSums:
         """Residual sum of squares over the parts, each by a solution of the others."""
         parts = submatrices(parts, [*kept, -1])
         rest = submatrices(self.whole[None], [*kept, -1]) - parts
-        found = ridged(rest[:, :-1, :-1], rest[:, :-1, -1])
-        inner = np.einsum("fi,fij,fj->f", found, parts[:, :-1, :-1], found)
-        crossed = np.einsum("fi,fi->f", found, parts[:, :-1, -1])
+        solutions = ridged(rest[:, :-1, :-1], rest[:, :-1, -1])
+        inner = np.einsum("fi,fij,fj->f", solutions, parts[:, :-1, :-1], solutions)
+        crossed = np.einsum("fi,fi->f", solutions, parts[:, :-1, -1])
         return float((parts[:, -1, -1] - 2.0 * crossed + inner).sum())
 
     def covariance(self, kept: list) -> np.ndarray:
@@ -251,7 +251,7 @@ def products_by_day(columns: list, dates: np.ndarray) -> tuple[np.ndarray, np.nd
     """
     first, ends = starts(dates)
     size, rows = len(columns), np.diff(first, append=len(dates))
-    found = np.empty((len(first), size, size))
+    daily = np.empty((len(first), size, size))
     # consecutive short days with equal numbers of rows are computed together
     edges = np.flatnonzero(np.diff(rows, prepend=0, append=0))
     for start, end in pairwise(edges):
@@ -260,10 +260,10 @@ def products_by_day(columns: list, dates: np.ndarray) -> tuple[np.ndarray, np.nd
         for day in range(start, end, most):
             stop = day + int(np.minimum(most, end - day))
             days, part = slice(day, stop), slice(first[day], ends[stop - 1])
-            found[days] = (
+            daily[days] = (
                 products(columns, part) if most == 1 else of_days(columns, part, length)
             )
-    return dates[first], found
+    return dates[first], daily
 
 
 def of_days(columns: list, rows: Any, length: int) -> np.ndarray:
@@ -428,6 +428,6 @@ def ridge(normal: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=256)  # thousands of small systems are solved
 def identity(size: int) -> np.ndarray:
-    found = np.eye(size)
-    found.flags.writeable = False
-    return found
+    matrix = np.eye(size)
+    matrix.flags.writeable = False
+    return matrix

@@ -64,11 +64,11 @@ def daily_memory(sums: ClusterSums) -> DailyMemory:
     size = np.sqrt(squared)
     along = np.divide(scores, size, out=np.zeros_like(scores), where=size > 0.0)
     squares = np.maximum((along**2).sum(axis=0), np.finfo(float).tiny)
-    found = (along[1:] * along[:-1]).sum(axis=0) / squares * days / (days - 1)
+    correlations = (along[1:] * along[:-1]).sum(axis=0) / squares * days / (days - 1)
     most = np.exp(-1.0 / (LONGEST * days))
-    found = np.clip(found + (1.0 + 3.0 * found) / days, 0.0, most)
-    place = int(np.argmax(found * squares))
-    memory, weight = found[place], squared[:, place]
+    correlations = np.clip(correlations + (1.0 + 3.0 * correlations) / days, 0.0, most)
+    place = int(np.argmax(correlations * squares))
+    memory, weight = correlations[place], squared[:, place]
     # the fit has already removed the mean of the error from the residual
     free = weight.sum() - between(weight, memory) / weight.sum()
     gamma = squares[place] / max(free, weight.sum() / days)

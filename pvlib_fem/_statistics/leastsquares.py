@@ -75,7 +75,7 @@ def minima_of(searches: dict, evaluate: Callable) -> dict:
     dict of Minimum
         By the name of the search.
     """
-    found, points = {}, {}
+    minima, points = {}, {}
     answers = dict.fromkeys(searches)
     while answers:
         for name, answer in answers.items():
@@ -83,9 +83,9 @@ def minima_of(searches: dict, evaluate: Callable) -> dict:
                 points[name] = searches[name].send(answer)
             except StopIteration as end:
                 points.pop(name, None)
-                found[name] = end.value
+                minima[name] = end.value
         answers = evaluate(points) if points else {}
-    return found
+    return minima
 
 
 def descent(

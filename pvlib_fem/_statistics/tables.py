@@ -106,13 +106,13 @@ class Table:
         # a temporary error leaves a residual of the other sign elsewhere
         means = self.shares * self.means
         squares = np.where(self.top, means**2 * self.rows, 0.0)
-        shape, found = [len(axis.labels) for axis in self.axes], []
+        shape, places = [len(axis.labels) for axis in self.axes], []
         for i, axis in enumerate(self.axes):
             other = tuple(j for j in range(len(shape)) if j != i)
             both = squares, self.rows
             along, size = (t.reshape(shape).sum(axis=other) for t in both)
-            found.append(axis.place(axis.strongest(along, PLACE_SHARE), size))
-        return tuple(found)
+            places.append(axis.place(axis.strongest(along, PLACE_SHARE), size))
+        return tuple(places)
 
     @property
     def drivers(self) -> tuple:
@@ -279,10 +279,10 @@ def largest(kinds: list[Cells], rest: np.ndarray, least: float) -> Table | None:
     """
     best: dict[int, Table] = {}
     for cells in kinds:
-        found, size = cells.table(rest), len(cells.axes)
-        beaten = size in best and best[size].variance >= found.variance
-        if found.errors >= SURE and found.variance >= least and not beaten:
-            best[size] = found
+        table, size = cells.table(rest), len(cells.axes)
+        beaten = size in best and best[size].variance >= table.variance
+        if table.errors >= SURE and table.variance >= least and not beaten:
+            best[size] = table
     one, two = best.get(1), best.get(2)
     if one is None or two is None:
         return one or two
