@@ -203,10 +203,10 @@ def digest(data: pd.DataFrame) -> Any:
     str
         64 hexadecimal digits.
     """
-    found = hashlib.sha256(repr([str(name) for name in data]).encode())
+    checksum = hashlib.sha256(repr([str(name) for name in data]).encode())
     try:
         values = pd.util.hash_pandas_object(data)
     except TypeError:  # of cells such as lists, which have no hash
         values = pd.util.hash_pandas_object(data.map(repr))
-    found.update(values.to_numpy("<u8").tobytes())
-    return found.hexdigest()
+    checksum.update(values.to_numpy("<u8").tobytes())
+    return checksum.hexdigest()

@@ -128,7 +128,7 @@ def chosen(
 
     Returns
     -------
-    found : list of Effect
+    injectable : list of Effect
         Without dates.
     notes : dict of str
         Effect to reason.
@@ -140,7 +140,7 @@ def chosen(
         names = [name for name in wanted if name in EFFECTS]
     else:
         names = [find(effect).name for effect in several(effects)]
-    found: list[Effect] = []
+    injectable: list[Effect] = []
     notes: dict[str, Because | str] = {}
     if effects is None:
         notes |= case.untestable
@@ -154,12 +154,12 @@ def chosen(
         elif wanted[name].turns:
             notes[name] = "it has dates and a plane, which are not drawn"
         elif wanted[name].scan is None:
-            found.append(wanted[name])
+            injectable.append(wanted[name])
         elif needs_nothing(wanted[name].make):
-            found.append(wanted[name].make())
+            injectable.append(wanted[name].make())
         else:
             notes[name] = "it has a place in the sky, which is not drawn"
-    return found, {name: str(why) for name, why in notes.items()}
+    return injectable, {name: str(why) for name, why in notes.items()}
 
 
 def needs_nothing(make: Any) -> Any:
@@ -272,7 +272,7 @@ def with_ways(draws: list, errors: list, seed: int) -> list:
     list of Draw
         ``way`` is a unit vector of the coefficients in their own units.
     """
-    found, seen = [], set()
+    directed, seen = [], set()
     for draw, error in zip(draws, errors):
         random = generator(draw.effect, seed + 1 + draw.number)
         rows = draw.effect.rows()
@@ -289,8 +289,8 @@ def with_ways(draws: list, errors: list, seed: int) -> list:
         key = (str(draw.effect.settings), *(way.items()))
         if key not in seen:
             seen.add(key)
-            found.append(replace(draw, way=way))
-    return found
+            directed.append(replace(draw, way=way))
+    return directed
 
 
 def holds(finding: Finding, effect: Effect, effects: dict, days: np.ndarray) -> bool:

@@ -91,8 +91,8 @@ def recover_events(
     >>> import pvlib_fem as fem
     >>> data = fem.simulator.record(effects=fem.simulator.PHYSICS, days=120, step=3600)
     >>> data["power_ac"] = 33.0 * data.pop("p_dc_per_area")
-    >>> found = fem.recover_events(data, "outage", draws=5)
-    >>> int(found["found"].sum())
+    >>> events = fem.recover_events(data, "outage", draws=5)
+    >>> int(events["found"].sum())
     5
     """
     names = [effects] if isinstance(effects, str) else [*effects]
@@ -117,13 +117,13 @@ def recover_events(
         again = again[again["effect"] == name]
         tables.append(pd.DataFrame([event.row(again) for event in events]))
         others[name] = len(again) - int(tables[-1]["found"].sum())
-    found = pd.concat(tables, ignore_index=True)[COLUMNS]
+    table = pd.concat(tables, ignore_index=True)[COLUMNS]
     own = loop.events["effect"].value_counts()
-    found.attrs = {
+    table.attrs = {
         "others": others,
         "own": {name: int(own.get(name, 0)) for name in names},
     }
-    return found
+    return table
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,11 +196,11 @@ class Plant:
         random: np.random.Generator,
     ) -> Any:
         """Events of an effect on days that have room for it."""
-        found, used = [], set(self.taken)
+        events, used = [], set(self.taken)
         per_hour = max(round(3600.0 / self.record.inputs.step), 1)
         days = np.unique(self.record.dates[self.light & self.counts])
         for day in random.permutation(days):
-            if len(found) == draws:
+            if len(events) == draws:
                 break
             if any(day + i in used for i in range(-APART, APART + 1)):
                 continue
@@ -209,16 +209,16 @@ class Plant:
             if len(rows) < length or np.ptp(rows) + 1 > len(rows):
                 continue
             start = int(random.integers(0, len(rows) - length + 1))
-            event = self.event(name, rows[start : start + length], size, len(found))
+            event = self.event(name, rows[start : start + length], size, len(events))
             if event is not None:
-                found.append(event)
+                events.append(event)
                 used.add(int(day))
-        if not found:
+        if not events:
             raise ValueError(
                 f"no day has room for {name} of {size:g} K and {hours} h of light; "
                 "give a smaller size, or a longer record"
             )
-        return sorted(found, key=lambda event: event.rows[0])
+        return sorted(events, key=lambda event: event.rows[0])
 
     def event(self, name: str, rows: Any, size: float, number: Any) -> Any:
         """An event of that size on some rows, or None where it is not possible."""

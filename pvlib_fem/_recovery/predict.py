@@ -75,15 +75,15 @@ def predictions(
         numbered = [
             replace(draw, effect=look.one.effect) for draw, look in zip(planned, looks)
         ]
-        found = []
+        drawn_sizes = []
         for draw in with_ways(numbered, errors, seed):
             look, score = looks[draw.number], scores[draw.number]
             given = (draw.way, days, step.coefficients)
             draw = replace(draw, readable=readable(draw.effect, *given))
             least = LEAST * float(np.linalg.norm(score.stderr))
             own = sum(v * p for v, p in zip(score.estimate, draw.way.values()))
-            found.append((draw, look.size(draw, least), float(own)))
-        return found, None
+            drawn_sizes.append((draw, look.size(draw, least), float(own)))
+        return drawn_sizes, None
 
 
 def candidate(design: Design, draw: Draw) -> Candidate:
@@ -113,9 +113,9 @@ class Look:
 
     def size(self, draw: Draw, least: float) -> float:
         """The least size at which the effect is found, or NaN."""
-        return threshold(lambda size: self.found(draw, size), least, draw.most)
+        return threshold(lambda size: self.is_found(draw, size), least, draw.most)
 
-    def found(self, draw: Draw, size: float) -> bool:
+    def is_found(self, draw: Draw, size: float) -> bool:
         """Whether the effect is found at a size."""
         parts = [size * part for part in draw.way.values()]
         design = self.selection.design.adding(dict(zip(self.one.columns, parts)))

@@ -172,9 +172,9 @@ def recover_effects(
     --------
     >>> import pvlib_fem as fem
     >>> data = fem.simulator.record(days=100, step=3600)
-    >>> found = fem.recover_effects(data, "module_offset_step", sizes=[3], processes=1,
-    ...                     progress=False)
-    >>> found.summary["found"].tolist()
+    >>> recovery = fem.recover_effects(data, "module_offset_step", sizes=[3],
+    ...                                processes=1, progress=False)
+    >>> recovery.summary["found"].tolist()
     [1.0]
     """
     from pvlib_fem import __version__  # here, because of circular imports
@@ -259,7 +259,7 @@ def plan(
     progress: bool = False,
 ) -> tuple[list, dict]:
     """All injections in order, and reasons for effects that cannot be injected."""
-    step, found = search.steps[loop.last], []
+    step, injections = search.steps[loop.last], []
     if not len(sizes):
         return [], {}
     ready, notes = chosen(search.case, loop, effects)
@@ -278,8 +278,8 @@ def plan(
             if why is not None:
                 notes[effect.name] = str(why)
             for draw, *known in looks:
-                found += sized(*[draw, *known, sizes, notes])
-    return found, notes
+                injections += sized(*[draw, *known, sizes, notes])
+    return injections, notes
 
 
 def sized(

@@ -227,14 +227,14 @@ class Recovery:
         return "\n".join(table.to_html(**how) for table in tables)
 
 
-def middle_of(multiples: np.ndarray, found: np.ndarray) -> tuple[float, float, float]:
+def middle_of(multiples: np.ndarray, hits: np.ndarray) -> tuple[float, float, float]:
     """Lower end, median and upper end of the size at which half are found."""
     x = np.log(multiples)
     places = np.linspace(x.min() - np.log(REACH), x.max() + np.log(REACH), 400)
     curve = expit(
         (x - places[:, None, None]) / WIDTHS[:, None]
     )  # places, widths, injections
-    chance = np.where(found, curve, 1.0 - curve)
+    chance = np.where(hits, curve, 1.0 - curve)
     logs = np.log(np.maximum(chance, 1e-12)).sum(axis=-1)
     likely = np.exp(logs - logs.max()).sum(axis=1)
     below = np.cumsum(likely) / likely.sum()

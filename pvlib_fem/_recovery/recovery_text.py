@@ -105,12 +105,12 @@ def in_scrambled(recovery: Any) -> Iterator:
     yield ""
     rows = [("effect", "completeness", "reliability", "identified in the record")]
     for name, row in rates.iterrows():
-        found = (row["found"], row["injections"], row["complete_from"])
+        complete = (row["found"], row["injections"], row["complete_from"])
         right = (row["trials"] - row["false"], row["trials"], row["reliable_from"])
         rows.append(
             (
                 str(name),
-                interval(*found, row["complete_to"]),
+                interval(*complete, row["complete_to"]),
                 interval(*right, row["reliable_to"]),
                 "yes" if row["identified"] else "no",
             )
@@ -136,8 +136,8 @@ def in_all(table: pd.DataFrame) -> Iterator:
     clear = table[table["multiple"] >= CLEARLY - 1e-9]
     wrong = sorted({name for names in table["wrong"] for name in names})
     words = f" ({', '.join(wrong)})" if wrong else ""
-    found = counted(clear["found"])
-    yield f"found from {CLEARLY:g} × the predicted size on: {found}"
+    hits = counted(clear["found"])
+    yield f"found from {CLEARLY:g} × the predicted size on: {hits}"
     yield f"with a wrong name: {counted(table['wrong'].map(bool))}{words}"
     misled = counted(table["misled"].map(bool))
     yield f"with an ambiguous finding without the true cause: {misled}"
