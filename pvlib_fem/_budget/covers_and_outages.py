@@ -83,18 +83,18 @@ class Hours:
         def means(values: np.ndarray) -> np.ndarray:
             return np.add.reduceat(values, first) / size
 
-        found = {name: means(values) for name, values in columns.items()}
+        hourly = {name: means(values) for name, values in columns.items()}
         squares = np.add.reduceat(columns["residual"] ** 2, first)
-        light = (found["seen"] > LEAST) | (found["shown"] > LEAST)
-        found = {name: values[light] for name, values in found.items()}
+        light = (hourly["seen"] > LEAST) | (hourly["shown"] > LEAST)
+        hourly = {name: values[light] for name, values in hourly.items()}
         return cls(
             index[first][light],
             index[first + size - 1][light],
             number[first][light],
             squares=squares[light],
-            off=found.pop("off") > 0.5,
+            off=hourly.pop("off") > 0.5,
             extra={name: means(values)[light] for name, values in extra.items()},
-            **found,
+            **hourly,
         )
 
     def beyond_usual(self, values: np.ndarray) -> np.ndarray:
@@ -250,15 +250,15 @@ def bridged(state: np.ndarray, breaks: np.ndarray) -> np.ndarray:
 
 def joined(kinds: np.ndarray) -> list:
     """From and to (exclusive) of each event; one hour of another kind is bridged."""
-    found = []
+    spans = []
     for start, end in runs(kinds):
         if not kinds[start]:
             continue
-        if found and kinds[found[-1][0]] == kinds[start] and start - found[-1][1] <= 1:
-            found[-1] = (found[-1][0], end)
+        if spans and kinds[spans[-1][0]] == kinds[start] and start - spans[-1][1] <= 1:
+            spans[-1] = (spans[-1][0], end)
         else:
-            found.append((start, end))
-    return found
+            spans.append((start, end))
+    return spans
 
 
 def runs(values: np.ndarray, breaks: np.ndarray | None = None) -> Iterator:

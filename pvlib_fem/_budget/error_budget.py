@@ -57,13 +57,13 @@ def episodes_of(case: Any, step: Any) -> pd.DataFrame:
     rows = case.seen & np.isfinite(residual)
     residual, dates = residual[rows], case.whole.dates[rows]
     sunny = case.whole["poa_global"][rows] > DAYLIGHT
-    total, found = residual @ residual, []
+    total, table_rows = residual @ residual, []
     for first, last in episodes(
         residual, dates, sunny, case.criteria.max_episode_chance
     ):
         within = (dates >= first) & (dates <= last)
         mine = residual[within]
-        found.append(
+        table_rows.append(
             {
                 "start": written(first),
                 "end": written(last),
@@ -73,7 +73,7 @@ def episodes_of(case: Any, step: Any) -> pd.DataFrame:
                 "share": float(mine @ mine / total),
             }
         )
-    return episode_table(sorted(found, key=lambda row: -row["share"]))
+    return episode_table(sorted(table_rows, key=lambda row: -row["share"]))
 
 
 def mean(values: np.ndarray) -> float:

@@ -61,11 +61,11 @@ def by_scale(
     means = [blocked(residual, block) for block in blocks]
     squares = [size @ mean**2 for mean, size, _ in means] + [residual @ residual]
     counts = [len(size) for _, size, _ in means] + [rows]
-    found = np.diff(squares, prepend=0.0).clip(min=0.0) / rows
+    mean_squares = np.diff(squares, prepend=0.0).clip(min=0.0) / rows
     mean, _, place = means[1]
     white = white_noise(residual - mean[place], seconds, step)
-    noise = np.minimum(white * np.diff(counts, prepend=0) / rows, found)
-    return dict(zip(SCALES, map(float, (*(found - noise), noise.sum()))))
+    noise = np.minimum(white * np.diff(counts, prepend=0) / rows, mean_squares)
+    return dict(zip(SCALES, map(float, (*(mean_squares - noise), noise.sum()))))
 
 
 def blocked(

@@ -47,13 +47,13 @@ def episodes(
     list of (int, int)
         First and last day of each stretch, in order.
     """
-    found = []
+    spans = []
     for rows in (sunny, ~sunny):
         days, means = daily_means(residual[rows], dates[rows])
         if len(days) >= FEWEST:
             ends = stretches(means, days, chance / 2.0)
-            found += [(int(days[i]), int(days[j - 1])) for i, j in ends]
-    return joined(sorted(found))
+            spans += [(int(days[i]), int(days[j - 1])) for i, j in ends]
+    return joined(sorted(spans))
 
 
 def daily_means(
@@ -68,20 +68,20 @@ def daily_means(
 
 def stretches(values: np.ndarray, days: np.ndarray, chance: float) -> list:
     """From and to (exclusive) of each stretch of a series."""
-    found, remaining = [], np.arange(len(values))
+    spans, remaining = [], np.arange(len(values))
     for _ in range(MOST):
         if len(remaining) < FEWEST:
             break
         new = at_once(values[remaining], days[remaining], chance)
         if not new:
             break
-        found += [
+        spans += [
             (int(remaining[start]), int(remaining[end - 1]) + 1) for start, end in new
         ]
         # the usual level changes without these days, so the others are searched again
         gone = np.concatenate([np.arange(start, end) for start, end in new])
         remaining = np.delete(remaining, gone)
-    return found
+    return spans
 
 
 def at_once(values: np.ndarray, days: np.ndarray, chance: float) -> list:
@@ -91,15 +91,15 @@ def at_once(values: np.ndarray, days: np.ndarray, chance: float) -> list:
     # the weather is more variable in some weeks of the year
     size = np.abs(apart)
     apart /= np.maximum(median_filter(size, **around), max(np.median(size), TINY))
-    limits, found = usual(apart, days, chance), []
+    limits, spans = usual(apart, days, chance), []
     for _ in range(MOST):
         best = strongest(apart, days, limits)
         if best is None:
             break
         start, end = grown(apart, days, *best)
-        found.append((start, end))
+        spans.append((start, end))
         apart[start:end] = 0.0
-    return found
+    return spans
 
 
 def sums_of(values: np.ndarray, days: np.ndarray, length: int) -> np.ndarray:
@@ -129,13 +129,13 @@ def usual(apart: np.ndarray, days: np.ndarray, chance: float) -> dict:
 
 def strongest(apart: np.ndarray, days: np.ndarray, limits: dict) -> tuple | None:
     """The stretch that exceeds its threshold most, or None."""
-    best, found = 1.0, None
+    best, span = 1.0, None
     for length, limit in limits.items():
         beyond = np.abs(sums_of(apart, days, length)) / limit
         start = int(np.argmax(beyond))
         if beyond[start] > best:
-            best, found = beyond[start], (start, start + length)
-    return found
+            best, span = beyond[start], (start, start + length)
+    return span
 
 
 def grown(apart: np.ndarray, days: np.ndarray, start: int, end: int) -> tuple[int, int]:
@@ -155,10 +155,10 @@ def grown(apart: np.ndarray, days: np.ndarray, start: int, end: int) -> tuple[in
 
 def joined(ends: list) -> list:
     """Merge stretches that touch or overlap."""
-    found = []
+    merged = []
     for first, last in ends:
-        if found and first <= found[-1][1] + 1:
-            found[-1] = (found[-1][0], max(last, found[-1][1]))
+        if merged and first <= merged[-1][1] + 1:
+            merged[-1] = (merged[-1][0], max(last, merged[-1][1]))
         else:
-            found.append((first, last))
-    return found
+            merged.append((first, last))
+    return merged
