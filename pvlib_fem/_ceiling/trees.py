@@ -132,7 +132,7 @@ def stacked(columns: dict) -> np.ndarray:
 
 def left_out(dates: np.ndarray) -> np.ndarray:
     """Every fifth of the fitting weeks, or of the days where weeks are few."""
-    found = np.unique(calendar_weeks(dates), return_inverse=True)[1]
-    if found.max() + 1 < EVERY:
-        found = np.unique(dates, return_inverse=True)[1]
-    return found % EVERY == EVERY // 2
+    groups = np.unique(calendar_weeks(dates), return_inverse=True)[1]
+    if groups.max() + 1 < EVERY:
+        groups = np.unique(dates, return_inverse=True)[1]
+    return groups % EVERY == EVERY // 2

@@ -196,7 +196,7 @@ class Work:
 
     def instruments(self, loop: Any, faults: list) -> None:
         """Take the faults of instruments out of their columns."""
-        coefficients, found = loop.fit.coefficients, {}
+        coefficients, terms_by_column = loop.fit.coefficients, {}
         for fault in faults:
             repair = fault.effect and repair_of(fault.effect)
             why = fault.why or obstacle(fault, repair, coefficients)
@@ -205,9 +205,9 @@ class Work:
                 self.as_it_was(fault.name, column, f"{fault.name}: {why}.")
                 continue
             terms = self.terms(fault.effect, fault.coefficients)
-            found.setdefault(repair.column, []).append((fault, repair, terms))
+            terms_by_column.setdefault(repair.column, []).append((fault, repair, terms))
         raw = {name: column.to_numpy() for name, column in self.columns.items()}
-        for column, several in found.items():
+        for column, several in terms_by_column.items():
             # the faults of one instrument are terms of one equation
             whole = Terms()
             for fault, repair, terms in several:

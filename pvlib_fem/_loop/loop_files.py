@@ -168,8 +168,8 @@ def placed(place: dict[str, Any]) -> dict[str, Any]:
     if where is not None:
         names = ("latitude", "longitude", "tz", "altitude", "name")
         where = {name: getattr(where, name) for name in names}
-    found = {**place, "location": where, "mount": mount_content(place["mount"])}
-    return {name: v for name, v in found.items() if name != "mount" or v is not None}
+    content = {**place, "location": where, "mount": mount_content(place["mount"])}
+    return {name: v for name, v in content.items() if name != "mount" or v is not None}
 
 
 def place_from(stored: Stored) -> dict[str, Any]:

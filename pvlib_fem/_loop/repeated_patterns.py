@@ -64,20 +64,20 @@ def repeated(fits: "Fits", step: "Step", least: float) -> list[Table]:
     late = [kind for kind in ways([*usual, *past]) if {*kind} & {*past}]
     weeks = numbered_weeks(dates)
     cells: list[Cells] = []
-    found: list[Table] = []
+    tables: list[Table] = []
     for kinds in (present, late):
         new = [Cells.of(kind, hours.count, weeks) for kind in kinds]
         while (table := largest(new, rest, least)) is not None:
             (own_cells,) = (one for one in new if one.axes == table.axes)
             new.remove(own_cells)
             cells.append(own_cells)
-            found.append(table)
+            tables.append(table)
             rest = rest - table.values
-            for i in [*range(len(found))] * CYCLES if len(found) > 1 else []:
-                rest = rest + found[i].values
-                found[i] = cells[i].table(rest)
-                rest = rest - found[i].values
-    return found
+            for i in [*range(len(tables))] * CYCLES if len(tables) > 1 else []:
+                rest = rest + tables[i].values
+                tables[i] = cells[i].table(rest)
+                rest = rest - tables[i].values
+    return tables
 
 
 def places_of(
@@ -89,12 +89,12 @@ def places_of(
     # predictions from weather have no power
     names = {name for name in names if not is_power(name)}
     columns = {name: inputs[name][rows] for name in sorted(names)}
-    found = {
+    means = {
         name: np.add.reduceat(column, hours.first) / hours.count
         for name, column in columns.items()
         if np.isfinite(column).any()
     }
-    return found | calendar_of(record.index[rows][hours.first])
+    return means | calendar_of(record.index[rows][hours.first])
 
 
 def numbered_weeks(dates: np.ndarray) -> np.ndarray:
