@@ -83,7 +83,7 @@ def decided(data, **place):
 
 def faint_events(hours, spread, shares):
     """Stretches with a faint deviation of power, and those of them that are events."""
-    deciding = covers_and_outages.Deciding.of(hours, spread, shares)
+    deciding = covers_and_outages.Deciding.from_hours(hours, spread, shares)
     for start, end in covers_and_outages.runs(deciding.state, hours.days()):
         some = slice(start, end)
         if not deciding.state[start] or end - start < covers_and_outages.FEWEST:
@@ -94,7 +94,7 @@ def faint_events(hours, spread, shares):
 
 def false_per_year(hours, spread, shares):
     """Faint events a year with the temperature of other weeks."""
-    usual = covers_and_outages.Deciding.of(hours, spread, shares).state == 0
+    usual = covers_and_outages.Deciding.from_hours(hours, spread, shares).state == 0
     place = {int(number): i for i, number in enumerate(hours.number)}
     rates = []
     for shift in SHIFTS:
@@ -110,7 +110,7 @@ def false_per_year(hours, spread, shares):
 
 def noise_of(hours, spread, shares, length):
     """Median noise of the hours around noon, given the rest of the day. [K]"""
-    deciding = covers_and_outages.Deciding.of(hours, spread, shares)
+    deciding = covers_and_outages.Deciding.from_hours(hours, spread, shares)
     clock, day = hours.number % 24, hours.number // 24
     starts = np.flatnonzero(clock[: 1 - length] == NOON)
     whole = day[starts] == day[starts + length - 1]

@@ -66,7 +66,7 @@ class Hours:
     extra: dict
 
     @classmethod
-    def of(
+    def from_columns(
         cls, index: pd.DatetimeIndex, rows: np.ndarray, columns: dict, extra: dict
     ) -> "Hours":
         """The hours of some rows of columns."""
@@ -138,7 +138,7 @@ def found_in(hours: Hours, spread: float, total: float, shares: dict) -> pd.Data
     """
     if len(hours.number) < 2 * FEWEST:
         return event_table([], hours.extra)
-    deciding = Deciding.of(hours, spread, SHARES | shares)
+    deciding = Deciding.from_hours(hours, spread, SHARES | shares)
     state = deciding.state
     kinds = np.full(len(state), "", dtype=object)
     for start, end in runs(state, hours.days()):
@@ -163,7 +163,7 @@ class Deciding:
     shares: dict
 
     @classmethod
-    def of(cls, hours: Hours, spread: float, shares: dict) -> "Deciding":
+    def from_hours(cls, hours: Hours, spread: float, shares: dict) -> "Deciding":
         seen = hours.seen
         far = ~agree(seen, hours.shown, spread)
         apart = hours.beyond_usual((hours.shown - seen) / np.fmax(seen, LEAST))

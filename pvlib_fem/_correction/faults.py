@@ -23,7 +23,7 @@ class Fault:
     why: str = ""
 
     @classmethod
-    def of(cls, effect: Effect, numbers: Finding | Member) -> "Fault":
+    def from_finding(cls, effect: Effect, numbers: Finding | Member) -> "Fault":
         """Of an effect, with the numbers of a finding or of one of its members."""
         return cls(
             effect.name, effect, numbers.coefficients, numbers.stderr, numbers.ranges
@@ -75,11 +75,11 @@ def chosen(loop: Any, resolve: tuple) -> list:
             why = f"it is ambiguous: {words}; name the cause with resolve= (--resolve)"
             faults.append(Fault(finding.effect, why=why))
         elif not mine or mine[0] == finding.effect:
-            faults.append(Fault.of(effects[finding.effect], finding))
+            faults.append(Fault.from_finding(effects[finding.effect], finding))
         else:
             member = finding.members[mine[0]]
             effect = find({"name": mine[0], **member.settings})
-            faults.append(Fault.of(effect, member))
+            faults.append(Fault.from_finding(effect, member))
     return faults
 
 

@@ -182,7 +182,7 @@ class Source:
                     model, own, requests[key].rows, self.quick(model)
                 )
                 total[key] += answer.products(names[key])
-        return {key: Normal.of(matrix) for key, matrix in total.items()}
+        return {key: Normal.from_products(matrix) for key, matrix in total.items()}
 
     def ends(
         self,

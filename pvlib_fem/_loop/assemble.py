@@ -61,7 +61,7 @@ def outcome(search: "Search", last: Step, base: str) -> Loop:
     at_bound, daily = last.at_bound, search.fits.daily(last)
     stderr = errors(last.model, daily, at_bound, notes)
     tables = repeatable(search, last)
-    patterns = tuple(Pattern.of(table, record.index) for table in tables)
+    patterns = tuple(Pattern.from_table(table, record.index) for table in tables)
     steps = dict(search.steps)
     if patterns and case.enough:
         steps[PREDICTED] = with_patterns(case, last, patterns)

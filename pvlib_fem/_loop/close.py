@@ -272,7 +272,7 @@ def searched(
             loop = own.confirmed(loop)
     case = search.case
     index = cast(pd.DatetimeIndex, frame.index)  # else it had been refused
-    times = Times.of(index, case.kept, case.whole.index, search.clock)
+    times = Times.from_indices(index, case.kept, case.whole.index, search.clock)
     if own is None:
         sky = how["instead"].transposition if case.transposed else ""
         replaced = {"transposition": sky, "stand_ins": case.standing}
@@ -424,7 +424,7 @@ class Search:
             if effect.name not in self.usual
         ]
         record = self.fits.ready["coarse"][1]
-        design = Design.of(evidence, record, lifted, case.drivers)
+        design = Design.from_evidence(evidence, record, lifted, case.drivers)
         closed = self.closed
         names = [e.name for e in case.wanted if is_before_the_sun(e)]
         names = [name for name in names if name in design.own]

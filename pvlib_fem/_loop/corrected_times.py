@@ -41,7 +41,7 @@ class Times:
     module: Clock = field(default_factory=Clock)
 
     @classmethod
-    def of(
+    def from_indices(
         cls,
         index: pd.DatetimeIndex,
         kept: np.ndarray,

@@ -49,7 +49,7 @@ class Hours:
     count: np.ndarray
 
     @classmethod
-    def of(cls, record: Record, rows: np.ndarray) -> Self:
+    def from_record(cls, record: Record, rows: np.ndarray) -> Self:
         """Cells of some rows of a record."""
         key = record.dates[rows] * 24 + np.asarray(record.index[rows].hour)
         first = np.flatnonzero(np.diff(key, prepend=key[:1] - 1))
@@ -108,7 +108,7 @@ class Design:
     plain: "Design | None" = field(default=None, repr=False)  # the same without
 
     @classmethod
-    def of(
+    def from_evidence(
         cls,
         evidence: "Evidence",
         record: Record,
@@ -130,7 +130,7 @@ class Design:
         drivers : sequence of str
             Measured columns beyond the usual ones.
         """
-        hours = Hours.of(record, evidence.rows)
+        hours = Hours.from_record(record, evidence.rows)
         first, rows, means = hours.first, hours.count, hours.means
         sensor_faults = {
             effect.sensor_fault: column for effect, column in evidence.changing

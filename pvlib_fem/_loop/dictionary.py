@@ -31,7 +31,7 @@ class Changed:
     key: str = ""  # its name and dates
 
     @classmethod
-    def of(cls, place: int, effect: Effect) -> Self:
+    def from_effect(cls, place: int, effect: Effect) -> Self:
         return cls(place, effect, f"{effect.name} {sorted(effect.settings.items())}")
 
 
@@ -123,7 +123,7 @@ def dated(
     days = len(design.dates)
     if days <= 2 * side:
         return
-    scan = Scan.of(design, given, side)
+    scan = Scan.from_design(design, given, side)
     for sensor_fault, place in design.sensor_faults.items():
         changes = {
             time_profile_of(effect): effect
@@ -140,7 +140,7 @@ def dated(
             log_dates = many * np.log(days) - (np.log(2.0) if many == 2 else 0.0)
             yield Candidate(
                 effect,
-                (Changed.of(place, effect),),
+                (Changed.from_effect(place, effect),),
                 float(np.log(prior)),
                 float(log_dates),
             )
@@ -164,7 +164,7 @@ class Scan:
     trust: np.ndarray  # of each day, 1 for usual ones
 
     @classmethod
-    def of(cls, design: "Design", given: Sequence[Column], side: int) -> Self:
+    def from_design(cls, design: "Design", given: Sequence[Column], side: int) -> Self:
         columns = [*given]
         whole, trust = design.whole(columns), trusted(design, columns)
         inverse = np.linalg.inv(np.linalg.cholesky(steady(whole[1:, 1:])))
@@ -282,7 +282,7 @@ def first_days(
     begin = dates.get("at") or dates.get("start")
     if begin is None:
         return effect
-    scan = Scan.of(design, given, side)
+    scan = Scan.from_design(design, given, side)
     sums, last = scan.sums(one.change.place), len(days)
     if "end" in dates:
         last = int(np.searchsorted(days, number(dates["end"])))

@@ -152,7 +152,7 @@ def misfits(
             columns = (design.values(column) for column in one.columns)
             axes += filter(None, (sorted_by("", column) for column in columns))
         weeks = design.rows, design.weeks
-        tables = [Table.of((axis,), rest, *weeks) for axis in axes]
+        tables = [Table.from_residual((axis,), rest, *weeks) for axis in axes]
     # by a standard error less: no more than is sure
     sure = [t.variance * max(1.0 - 1.0 / max(t.errors, 1.0), 0.0) for t in tables]
     return [float(np.sqrt(variance / fall)) for variance in sure]
@@ -190,7 +190,7 @@ def of_hours(design: "Design", one: "Candidate", rest: np.ndarray) -> Table:
     much = (weight > weight @ design.rows / design.count).astype(int)
     side = Axis("change", much, ((0, 0), (1, 1)))
     rest = rest - group_means(hour.bins, design.rows)(rest)
-    return Table.of((hour, side), rest, design.rows, design.weeks)
+    return Table.from_residual((hour, side), rest, design.rows, design.weeks)
 
 
 def own_columns(effect: Effect) -> set[str]:
@@ -335,7 +335,7 @@ def random_effects(
     tuple of Table
     """
     kinds = [
-        Cells.of(kind, design.rows, design.weeks)
+        Cells.from_axes(kind, design.rows, design.weeks)
         for kind in usual_tables({axis.name: axis for axis in design.axes})
     ]
     rest = design.residual_given(given)

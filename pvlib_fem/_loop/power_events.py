@@ -65,7 +65,7 @@ def events_of(fits: "Fits", step: "Step") -> pd.DataFrame:
         "off": inputs[off],
     }
     extra = {name: record[name] for name in EXTRA if name in record.inputs.columns}
-    hours = Hours.of(record.index, rows, columns, extra)
+    hours = Hours.from_columns(record.index, rows, columns, extra)
     shares = {
         effect.name: step.coefficients[f"{effect.name}.share"]
         for effect in model.effects

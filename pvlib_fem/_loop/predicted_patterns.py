@@ -52,7 +52,7 @@ class Pattern:
                 raise ValueError(f"the cuts of {axis.name} do not rise")
 
     @classmethod
-    def of(cls, table: Table, index: pd.DatetimeIndex) -> Self:
+    def from_table(cls, table: Table, index: pd.DatetimeIndex) -> Self:
         """The pattern of a table of a record with these times."""
         own = tuple(replace(axis, bins=np.zeros(0, dtype=int)) for axis in table.axes)
         zone = "" if index.tz is None else str(index.tz)

@@ -333,7 +333,7 @@ def rank_effects(
         coefficients = {**model.steady_model.fixed, **fit.coefficients}
         bounds, least = fit.at_bound, criteria.min_hint_reduction
         evidence = gather(model, coefficients, record, seen, testable, bounds, least)
-        design = Design.of(evidence, record, drivers=drivers)
+        design = Design.from_evidence(evidence, record, drivers=drivers)
         selection = Selection(design, criteria)
         weighed, failed = ranked(selection, evidence, [*design.base], days)
         rows |= {name: {"note": str(why)} for name, why in failed.items()}

@@ -54,7 +54,7 @@ def repeated(fits: "Fits", step: "Step", least: float) -> list[Table]:
     record, model = fits.prepared(case.record, step.model)
     error = record["temp_module"] - model.temperature(record.inputs, step.coefficients)
     rows = np.flatnonzero(case.searched & np.isfinite(error))
-    hours = Hours.of(record, rows)
+    hours = Hours.from_record(record, rows)
     rest, dates = hours.means(error[rows]), record.dates[rows][hours.first]
     own = list(axes(places_of(record, rows, hours, case.drivers), dates))
     usual = [axis for axis in own if axis.name not in {*GEOMETRY, *PAST}]
@@ -66,7 +66,7 @@ def repeated(fits: "Fits", step: "Step", least: float) -> list[Table]:
     cells: list[Cells] = []
     tables: list[Table] = []
     for kinds in (present, late):
-        new = [Cells.of(kind, hours.count, weeks) for kind in kinds]
+        new = [Cells.from_axes(kind, hours.count, weeks) for kind in kinds]
         while (table := largest(new, rest, least)) is not None:
             (own_cells,) = (one for one in new if one.axes == table.axes)
             new.remove(own_cells)

@@ -148,7 +148,7 @@ def gather(
     without_faults = replace(
         model, effects=tuple(e for e in model.effects if not e.sensor_fault)
     )
-    at = Tangents.of(without_faults, inputs, coefficients, rows)
+    at = Tangents.from_model(without_faults, inputs, coefficients, rows)
     own = at.slopes()
     base = [n for n in without_faults.free if n not in fixed and own[n].any()]
     before = (
@@ -303,7 +303,7 @@ class Tangents:
     places: np.ndarray  # of the requested rows among them
 
     @classmethod
-    def of(
+    def from_model(
         cls,
         model: ThermalModel,
         inputs: Inputs,

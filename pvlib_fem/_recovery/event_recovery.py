@@ -105,7 +105,7 @@ def recover_events(
     data, place = with_given(data, place)
     how: dict[str, Any] = dict(holdout=None, effects=None, check_units=True, fixed=None)
     search, loop = searched(data, model, place, None, criteria=criteria, **how)
-    plant = Plant.of(search, loop)
+    plant = Plant.from_loop(search, loop)
     tables, others = [], {}
     for name in names:
         random = np.random.default_rng([seed, KINDS.index(name)])
@@ -163,7 +163,7 @@ class Plant:
     taken: frozenset  # days with events of the record's own
 
     @classmethod
-    def of(cls, search: Search, loop: Loop) -> Any:
+    def from_loop(cls, search: Search, loop: Loop) -> Any:
         case = search.case
         record: Any = loop.fit.record
         powers = [*plant_power(record, case.criteria.max_missing_share)]

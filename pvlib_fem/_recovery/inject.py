@@ -37,7 +37,7 @@ class Injector:
     own: dict  # the user's own effects, by name
 
     @classmethod
-    def of(cls, search: Any, loop: Any) -> "Injector":
+    def from_loop(cls, search: Any, loop: Any) -> "Injector":
         """The injector of a finished search."""
         case = search.case
         own = {e.name: e for e in case.wanted if e.name not in EFFECTS}

@@ -64,7 +64,7 @@ def predictions(
         if effect.name in evidence.failed or name in evidence.failed:
             return [], evidence.failed.get(effect.name) or evidence.failed[name]
         record = fits.ready["coarse"][1]
-        design = Design.of(evidence, record, drivers=case.drivers)
+        design = Design.from_evidence(evidence, record, drivers=case.drivers)
         selection = Selection(design, case.criteria)
         looks = [Look(selection, candidate(design, draw)) for draw in planned]
         for look in looks:
@@ -90,7 +90,9 @@ def candidate(design: Design, draw: Draw) -> Candidate:
     """A draw as a candidate of the design."""
     effect = draw.effect
     if effect.sensor_fault:
-        columns = (Changed.of(design.sensor_faults[effect.sensor_fault], effect),)
+        columns = (
+            Changed.from_effect(design.sensor_faults[effect.sensor_fault], effect),
+        )
     else:
         effect = design.effects.get(effect.name, effect)
         columns = design.own[effect.name]

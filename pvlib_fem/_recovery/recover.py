@@ -205,7 +205,7 @@ def recover_effects(
     done = {outcome.injection.key for outcome in result.outcomes}
     tasks = [(injection,) for injection in planned if injection.key not in done]
     how |= {"model": model, **place}
-    injector = Injector.of(search, loop)
+    injector = Injector.from_loop(search, loop)
     shared: tuple = (data, injector, loop.finding_objects, how)
     with counting(len(planned), len(done), progress, "put in") as report:
         for outcome in spread(recovered, tasks, processes, shared):
@@ -215,7 +215,7 @@ def recover_effects(
             report(outcome.injection.effect)
     if not reliability:
         return result
-    scrambler = Scrambler.of(search, loop, injector, data, holdout)
+    scrambler = Scrambler.from_loop(search, loop, injector, data, holdout)
     kinds, why = scrambler.kinds()
     kept = [(kind, number) for kind in kinds for number in range(trials)]
     result = of_trials(result, kept, why)

@@ -38,7 +38,7 @@ class Scrambler:
     holdout: pd.Series | None  # held-out rows that the user chose
 
     @classmethod
-    def of(
+    def from_loop(
         cls, search: Search, loop: Loop, injector: Any, data: pd.DataFrame, holdout: Any
     ) -> Any:
         """The scrambler of a finished search."""

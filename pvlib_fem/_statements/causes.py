@@ -180,7 +180,7 @@ def of_instrument(
     ):
         words = f"{repair.device} {reads.unsized or 'has changed'}"
         return Clause(plain(repair.device), words, reads.action)
-    added = repair.added(Fault.of(effect, numbers), coefficients)
+    added = repair.added(Fault.from_finding(effect, numbers), coefficients)
     drifts = time_profile_of(effect) == "drift"
     years = (number(last) - number(first)) / YEAR if drifts else 1.0
     value, error, low, high = reading_of(added, repair.unit, max(years, 1e-9))

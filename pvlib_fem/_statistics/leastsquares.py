@@ -34,7 +34,7 @@ class Normal:
     gradient: np.ndarray  # J'r
 
     @classmethod
-    def of(cls, total: np.ndarray) -> "Normal":
+    def from_products(cls, total: np.ndarray) -> "Normal":
         """From the products of all slopes and, last, the residual."""
         return cls(float(total[-1, -1]), total[:-1, :-1], total[:-1, -1])
 
@@ -50,7 +50,7 @@ class Normal:
 
 def normal(residual: np.ndarray, jacobian: np.ndarray) -> Normal:
     """The sums of a residual and the matrix of its slopes."""
-    return Normal.of(products([*jacobian.T, residual]))
+    return Normal.from_products(products([*jacobian.T, residual]))
 
 
 def minimum_of(search: Iterable, evaluate: Callable) -> Minimum:

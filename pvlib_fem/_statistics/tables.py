@@ -48,7 +48,7 @@ class Table:
     rows: np.ndarray = field(repr=False)
 
     @classmethod
-    def of(
+    def from_residual(
         cls, axes: tuple, rest: np.ndarray, rows: np.ndarray, weeks: np.ndarray
     ) -> "Table":
         """
@@ -69,7 +69,7 @@ class Table:
         .. [1] S. R. Searle, G. Casella and C. E. McCulloch, "Variance Components",
            Wiley, 1992, chapter 3. :doi:`10.1002/9780470316856`
         """
-        return Cells.of(axes, rows, weeks).table(rest)
+        return Cells.from_axes(axes, rows, weeks).table(rest)
 
     @property
     def values(self) -> np.ndarray:
@@ -162,8 +162,8 @@ class Cells:
     weeks: int
 
     @classmethod
-    def of(cls, axes: tuple, rows: np.ndarray, weeks: np.ndarray) -> "Cells":
-        """The cells of some axes; ``rows`` and ``weeks`` as in :meth:`Table.of`."""
+    def from_axes(cls, axes: tuple, rows: np.ndarray, weeks: np.ndarray) -> "Cells":
+        """Cells of axes; ``rows`` and ``weeks`` as in :meth:`Table.from_residual`."""
         groups, count = joined(axes)
         size = int(weeks[-1]) + 1
         place = (weeks * count + groups).astype(np.int32)

@@ -27,7 +27,7 @@ class SystemFinding:
     last: str
 
     @classmethod
-    def of(cls, row: Mapping[Hashable, Any]) -> Self:
+    def from_row(cls, row: Mapping[Hashable, Any]) -> Self:
         dated = isinstance(row["first"], str)
         dates = (row["first"], row["last"]) if dated else (None, "")
         gain = row["gain"] if row["gain"] == row["gain"] else 0.0  # NaN for a clock
@@ -184,7 +184,7 @@ def shared(systems: pd.DataFrame, findings: pd.DataFrame) -> list[Shared]:
     for site, members in done.groupby("site", sort=True):
         if len(members) < 2 or site not in rows:
             continue
-        mine = [SystemFinding.of(row) for row in rows[site].to_dict("records")]
+        mine = [SystemFinding.from_row(row) for row in rows[site].to_dict("records")]
         groups = grouped(str(site), mine)
         weighed = {
             row["id"]: weights(row["weighed"]) for row in members.to_dict("records")

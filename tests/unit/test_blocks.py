@@ -157,7 +157,7 @@ def test_tangents_at_some_rows_need_only_what_those_remember(kind, dynamics):
     further = model.slopes(inputs, values, wanted=False, also=also)[1]
     day = whole.dates - whole.dates[0]
     rows = np.flatnonzero(np.isin(day, [2, 5]) & np.isfinite(temperature))
-    at = Tangents.of(model, inputs, values, rows)
+    at = Tangents.from_model(model, inputs, values, rows)
     assert len(rows) < len(at.read) + (dynamics == "steady") < 0.7 * len(whole.index)
     assert [*at.slopes()] == [*own] and [*at.slopes(also)] == [*also]
     assert own and also

@@ -221,11 +221,11 @@ def test_a_mean_is_shrunk_by_its_uncertainty():
     axis = sorted_by("x", hours + 0.5)
     truth = random.normal(0.0, 1.0, 24)[hours]
     noisy = truth + random.normal(0.0, 3.0, len(times))
-    table = Table.of((axis,), noisy, np.ones(len(times)), weeks)
+    table = Table.from_residual((axis,), noisy, np.ones(len(times)), weeks)
     assert (table.shares < 1.0).all() and table.shares.mean() > 0.9
     few = slice(0, 24 * 7 * 3)
     cut = replace(axis, bins=axis.bins[few])
-    short = Table.of((cut,), noisy[few], np.ones(few.stop), weeks[few])
+    short = Table.from_residual((cut,), noisy[few], np.ones(few.stop), weeks[few])
     assert short.shares.mean() < table.shares.mean()
 
 

@@ -70,7 +70,7 @@ def test_the_response_is_that_of_the_model_with_the_effect(
     # by public functions: prediction of a fit with the effect minus one without
     search, loop = done
     put = injection(name, value, **settings)
-    change = Injector.of(search, loop).response(put)
+    change = Injector.from_loop(search, loop).response(put)
     fit, effect = loop.fit, find({"name": name, **settings})
     usual = [record[column] for column in USUAL[:3]]
     larger = replace(fit.thermal_model, effects=(effect,))
@@ -84,13 +84,13 @@ def test_the_response_is_that_of_the_model_with_the_effect(
 
 
 def test_nothing_is_put_in_at_no_size(record, done):
-    injector = Injector.of(*done)
+    injector = Injector.from_loop(*done)
     same = injector.into(record, injection("irradiance_sensor_step", 0.0, **DATES))
     pd.testing.assert_frame_equal(same, record)
 
 
 def test_an_instrument_that_changes_is_put_into_what_it_reads(record, done):
-    injector = Injector.of(*done)
+    injector = Injector.from_loop(*done)
     late = record.index.tz_localize(None) >= pd.Timestamp(DATES["at"])
     faded = injector.into(record, injection("irradiance_sensor_step", 0.1, **DATES))
     fewer = np.where(late, 1.1, 1.0) * faded["poa_global"]

@@ -57,7 +57,7 @@ def done(record):
 
 @pytest.fixture(scope="module")
 def scrambler(record, done):
-    return Scrambler.of(*done, Injector.of(*done), record, None)
+    return Scrambler.from_loop(*done, Injector.from_loop(*done), record, None)
 
 
 def changes(loop):

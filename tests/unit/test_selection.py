@@ -71,7 +71,7 @@ def test_products_with_a_change_are_those_of_its_column(seed):
     made = design(rest, {"one": one, "other": other}, days, hours)
     step = CHANGES["module_sensor_contact_step"].make(at="2023-02-10")
     drift = CHANGES["module_sensor_contact_drift"].make(since="2023-01-05")
-    changes = [Changed.of(3, effect) for effect in (step, drift)]
+    changes = [Changed.from_effect(3, effect) for effect in (step, drift)]
     found = made.by_week([1, *changes])
     columns = [made.cells[:, 0], made.cells[:, 1]]
     columns += [made.cells[:, 3] * weights_of(e, START + days) for e in (step, drift)]
@@ -119,7 +119,7 @@ def test_the_best_step_is_that_of_all_fits(seed):
     random, (days, hours) = np.random.default_rng(seed), clock(60)
     one, rest = random.normal(size=(2, len(days)))
     made = design(rest, {"one": one}, days, hours)
-    scan = replace(Scan.of(made, [1], 7), trust=np.ones(60))
+    scan = replace(Scan.from_design(made, [1], 7), trust=np.ones(60))
     sums = scan.sums(2)
     starts = np.arange(7, 54)
     falls = scan.square_falls(sums[-1] - sums[starts], -1.0, 1.0)
@@ -345,7 +345,7 @@ def test_more_of_a_column_is_estimated_as_so_much_more(seed, more):
     random, (days, hours) = np.random.default_rng(seed), clock(80)
     own, rest = random.normal(size=(2, len(days)))
     made = design(rest, {"rain.film": own}, days, hours, own=["rain"])
-    step = Changed.of(2, CHANGES["module_offset_step"].make(at="2023-02-01"))
+    step = Changed.from_effect(2, CHANGES["module_offset_step"].make(at="2023-02-01"))
     for column in (1, step):
         before = LeastSquares(made.by_week([column]), 1).estimate
         after = LeastSquares(made.adding({column: more}).by_week([column]), 1).estimate
@@ -407,7 +407,9 @@ def test_a_change_is_whitened_as_any_column(seed):
         size, shares = np.bincount(one, minlength=many), random.uniform(0, 1, many)
         tables.append(Table((), one, 1.0, 9.0, size * 0.0, shares, size))
     white = made.whitened(tables)
-    step = Changed.of(3, CHANGES["module_sensor_contact_step"].make(at="2023-02-10"))
+    step = Changed.from_effect(
+        3, CHANGES["module_sensor_contact_step"].make(at="2023-02-10")
+    )
     free = white.values(step)
     np.testing.assert_allclose(free, white.freed(made.values(step), tables))
     found = white.by_week([1, step]).sum(axis=0)
@@ -475,7 +477,7 @@ def test_a_law_that_is_not_exact_keeps_its_size_where_it_changes():
     usual = {"flat": np.ones(len(days)), "windy": seen}
     made = design(rest, usual, days, hours, changing=[drift])
     made.cells[:, -1] = seen / np.sqrt(np.mean(seen**2))
-    one = Candidate(drift, (Changed.of(len(made.names) - 1, drift),), 0.0)
+    one = Candidate(drift, (Changed.from_effect(len(made.names) - 1, drift),), 0.0)
     months, *_ = shares(made, one, [*made.base])
     assert months[0] == pytest.approx(1.0, abs=max(0.2, 2.0 * months[1]))
 

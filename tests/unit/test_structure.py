@@ -27,7 +27,7 @@ CLOCK = {"hour": HOUR, "month": np.asarray(TIMES.month), "weekend": WEEKDAY >= 5
 def strongest(residual, without=(), columns=DRIVERS):
     columns = {name: c for name, c in columns.items() if name not in without}
     sorts = list(axes(CLOCK | columns, DATES))
-    cells = [Cells.of(kind, ROWS, WEEKS) for kind in ways(sorts)]
+    cells = [Cells.from_axes(kind, ROWS, WEEKS) for kind in ways(sorts)]
     return largest(cells, residual, 0.0)
 
 
@@ -95,7 +95,7 @@ def test_the_variance_of_a_table_is_recovered_from_noise_of_weeks(variance):
         own = np.sqrt(variance) * random.normal(size=24)
         weeks = random.normal(size=(WEEKS[-1] + 1, 24))  # another one in each hour
         rest = own[HOUR] + 0.7 * weeks[WEEKS, HOUR] + random.normal(size=len(HOUR))
-        found.append(Table.of((axis,), rest, ROWS, WEEKS))
+        found.append(Table.from_residual((axis,), rest, ROWS, WEEKS))
     variances = [one.variance for one in found]
     assert np.mean(variances) == pytest.approx(variance, rel=0.15, abs=0.01)
     sure = np.mean([one.errors > 3.0 for one in found])
