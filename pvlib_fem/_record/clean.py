@@ -231,10 +231,10 @@ def masked(some: np.ndarray, rows: int) -> np.ndarray:
     -------
     array of bool, shape (rows,)
     """
-    found = np.zeros(rows, dtype=bool)
+    mask = np.zeros(rows, dtype=bool)
     for first, end in some:
-        found[first:end] = True
-    return found
+        mask[first:end] = True
+    return mask
 
 
 def covered(some: np.ndarray, rows: np.ndarray) -> np.ndarray:

@@ -88,11 +88,11 @@ def twin_of(name: Hashable) -> Any:
         usual columns themselves, of ``poa_rear`` and parts of the light such as
         ``poa_diffuse``, and of names that end with ``_original``.
     """
-    found = TWIN.fullmatch(str(name))
+    match = TWIN.fullmatch(str(name))
     own = name in COLUMNS or is_other_light(name)
-    if found is None or own or str(name).endswith(ORIGINAL):
+    if match is None or own or str(name).endswith(ORIGINAL):
         return None
-    return "poa_global" if found[1] == "poa" else found[1]
+    return "poa_global" if match[1] == "poa" else match[1]
 
 
 def is_other_light(name: Hashable) -> bool:
@@ -164,14 +164,14 @@ def plant_power(record: Any, most: float) -> dict:
     dict of Series
         By name, the better column first. [W]
     """
-    found, light = {}, record["poa_global"] > DAYLIGHT
+    powers, light = {}, record["poa_global"] > DAYLIGHT
     for name in PLANT_POWER:
         if name in record.inputs.columns and light.any():
             values = record[name]
             missing = np.isnan(values[light]).mean()
             if missing <= most and np.nanmax(values) > np.nanmin(values):
-                found[name] = pd.Series(values, record.index)
-    return found
+                powers[name] = pd.Series(values, record.index)
+    return powers
 
 
 def is_cross_check(name: str) -> bool:
@@ -349,9 +349,9 @@ def renamed(names: dict | pd.Index | set) -> Any:
     FutureWarning
         For each old name.
     """
-    found = {new: old for old, new in RENAMED.items() if old in names}
-    found = {new: old for new, old in found.items() if new not in names}
-    for new, old in found.items():
+    old_names = {new: old for old, new in RENAMED.items() if old in names}
+    old_names = {new: old for new, old in old_names.items() if new not in names}
+    for new, old in old_names.items():
         warnings.warn(
             f"the column {old} is called {new} now, and 0.2 will not know the old "
             f"name: write {new} for W per m² of module, and power_dc for W of a module "
@@ -359,7 +359,7 @@ def renamed(names: dict | pd.Index | set) -> Any:
             FutureWarning,
             stacklevel=3,
         )
-    return found
+    return old_names
 
 
 def in_new_names(columns: dict) -> dict:
@@ -452,12 +452,12 @@ def numeric(columns: Mapping | pd.DataFrame) -> dict:
     dict of Series
         By name, in double precision.
     """
-    found = {
+    floats = {
         name: column.astype(float)
         for name, column in columns.items()
         if pd.api.types.is_numeric_dtype(column)
     }
-    return {n: c for n, c in found.items() if not np.isinf(c.to_numpy()).any()}
+    return {n: c for n, c in floats.items() if not np.isinf(c.to_numpy()).any()}
 
 
 def usable_drivers(

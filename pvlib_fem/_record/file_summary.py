@@ -146,16 +146,16 @@ def digest_of(names: Sequence, blocks: Callable) -> str:
     str
         64 hexadecimal digits, independent of the size of the blocks.
     """
-    found = hashlib.sha256()
+    sha256 = hashlib.sha256()
     for block in blocks(()):
-        found.update(instants(block.index).astype("M8[ns]").astype("<i8").tobytes())
+        sha256.update(instants(block.index).astype("M8[ns]").astype("<i8").tobytes())
     for name in names:
         if name in GEOMETRY:
             continue
-        found.update(name.encode("utf-8", "surrogatepass"))
+        sha256.update(name.encode("utf-8", "surrogatepass"))
         for block in blocks((name,)):
             values = np.asarray(block[name], dtype="<f8")
             # one NaN, and one zero
             values = np.where(np.isnan(values), np.nan, values + 0.0)
-            found.update(values.astype("<f8").tobytes())
-    return found.hexdigest()
+            sha256.update(values.astype("<f8").tobytes())
+    return sha256.hexdigest()

@@ -80,16 +80,16 @@ def timed(data: pd.DataFrame, layout: Any, name: str) -> tuple[pd.DataFrame, lis
 
 def times_of_others(data: pd.DataFrame, time_format: str) -> list:
     """What is said of columns that hold times, too, other than those of the rows."""
-    found = {name: off_rows(column, time_format) for name, column in data.items()}
-    found = {name: off for name, off in found.items() if off}
-    if not found:
+    offsets = {name: off_rows(column, time_format) for name, column in data.items()}
+    offsets = {name: off for name, off in offsets.items() if off}
+    if not offsets:
         return []
-    several = len(found) > 1
+    several = len(offsets) > 1
     return [
-        f"{' and '.join(map(repr, found))} hold{'s' * (not several)} times, too, up to "
-        f"{max(found.values()):,.0f} s off those of the rows: columns that belong to "
-        f"{'them' if several else 'it'} are taken at the rows' times; files of their "
-        "own would be joined on theirs"
+        f"{' and '.join(map(repr, offsets))} hold{'s' * (not several)} times, too, up "
+        f"to {max(offsets.values()):,.0f} s off those of the rows: columns that belong "
+        f"to {'them' if several else 'it'} are taken at the rows' times; files of "
+        "their own would be joined on theirs"
     ]
 
 
@@ -168,14 +168,14 @@ def of_numbers(data: Any) -> Any:
     DataFrame
         Other columns are unchanged.
     """
-    found = {}
+    numbers = {}
     for name, column in data.items():
         if pd.api.types.is_object_dtype(column) or pd.api.types.is_string_dtype(column):
             try:
-                found[name] = pd.to_numeric(column)
+                numbers[name] = pd.to_numeric(column)
             except (TypeError, ValueError):
                 continue
-    return data.assign(**found) if found else data
+    return data.assign(**numbers) if numbers else data
 
 
 def times(

@@ -236,7 +236,7 @@ def common_columns(footers: list, columns: Mapping) -> tuple[dict, dict]:
 
     Returns
     -------
-    found : dict of str
+    common : dict of str
         Package's name to the files'.
     partial : dict of str
         Package's name to why a column cannot be read: a file has none, or no numbers.
@@ -260,11 +260,11 @@ def common_columns(footers: list, columns: Mapping) -> tuple[dict, dict]:
         if name != first.time and name not in columns.values()
     }
     names = by_own_names(names)
-    found, partial = {}, {}
+    common, partial = {}, {}
     for name, column in (names | columns).items():
         odd = [one for one in footers if not is_number(one.kind(column))]
         if not odd:
-            found[name] = column
+            common[name] = column
             continue
         kind = odd[0].kind(column)
         what = "lacks" if kind is None else f"has {kind}s in"
@@ -273,7 +273,7 @@ def common_columns(footers: list, columns: Mapping) -> tuple[dict, dict]:
             f"{odd[0].file} {what} {column!r}{others}, which needs numbers in all "
             f"{len(footers)} files; the columns of that file are {odd[0].names}"
         )
-    return found, partial
+    return common, partial
 
 
 def groups_of(file: Any, opened: Any, time: str) -> Iterator:

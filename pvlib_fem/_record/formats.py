@@ -100,8 +100,8 @@ def with_times(raw: pd.DataFrame, layout: Layout, doubts: list, file: str) -> La
     choices = [layout.time] if layout.time else [(c,) for c in likely]
     if not layout.time:  # a date alone needs its hours
         choices = [*choices, *((a, b) for a, b in product(likely, likely) if a != b)]
-    if not layout.time and (found := in_parts(raw)):
-        return replace(layout, time=tuple(found), time_format=" ".join(found.values()))
+    if not layout.time and (parts := in_parts(raw)):
+        return replace(layout, time=tuple(parts), time_format=" ".join(parts.values()))
     for choice in choices:
         forms = formats(raw[list(choice)], layout.tz)
         if forms:
@@ -134,15 +134,15 @@ def of_letters(columns: Any, layout: Layout, doubts: list) -> Any:
 def in_parts(raw: pd.DataFrame) -> dict:
     """Columns that hold the parts of the times by their names, and their formats."""
     for first, second in product(OF_YEAR, OF_DAY):
-        found = {}
+        parts = {}
         for form, pattern in (first | second).items():
             name = next((c for c in raw if re.fullmatch(pattern, plain(c))), None)
-            found |= {} if name is None else {name: form}
-        if len(found) < len(first | second):
+            parts |= {} if name is None else {name: form}
+        if len(parts) < len(first | second):
             continue
-        read = parsed_times(joined(raw[list(found)]), " ".join(found.values()))
+        read = parsed_times(joined(raw[list(parts)]), " ".join(parts.values()))
         if read.notna().all() and unevenness(read)[0] == 0:
-            return found
+            return parts
     return {}
 
 
@@ -189,7 +189,7 @@ def formats(columns: pd.DataFrame, tz: str | None = None) -> list:
         pd.api.types.is_numeric_dtype(some.iloc[:, -1]) and some.iloc[:, -1].max() < 60
     ):
         return []  # an hour alone would be read as minutes
-    found = {}
+    uneven = {}
     for form in choices:
         try:
             if parsed_times(column.iloc[:FIRST], form, tz).isna().all():
@@ -201,13 +201,13 @@ def formats(columns: pd.DataFrame, tz: str | None = None) -> list:
             continue
         if len(read) > 1 and (read.dt.normalize() == read).all():
             continue  # a date only
-        found[form] = unevenness(read)
+        uneven[form] = unevenness(read)
         if form == ISO:
             break
-    if not found:
+    if not uneven:
         return []
-    best = min(found.values())
-    ways = [form for form, way in found.items() if way == best]
+    best = min(uneven.values())
+    ways = [form for form, way in uneven.items() if way == best]
     return [*{form.replace("%B", "%b"): form for form in ways[::-1]}.values()][::-1]
 
 

@@ -100,47 +100,47 @@ def guess(
     -------
     Guess
     """
-    found = Guess([], dict(columns))
+    guessed = Guess([], dict(columns))
     data, units = {}, {}
     for file, layout in zip(files, layouts):
         layout, below = found_layout(file, layout)
         raw = table(file, layout)
-        layout, raw = with_tags(file, layout, raw, found.doubts)
-        layout = with_times(raw, layout, found.doubts, file.name)
+        layout, raw = with_tags(file, layout, raw, guessed.doubts)
+        layout = with_times(raw, layout, guessed.doubts, file.name)
         if layout.skip_end == 0 and (end := lines_after(raw, layout)):
             layout = replace(layout, skip_end=end)
             raw = table(file, layout)
             last = f"each of the last {end} lines" if end > 1 else "the last line"
-            found.doubts.append(
+            guessed.doubts.append(
                 f"{last} holds no time in {file.name} and is left out by --skip-end"
             )
-        layout, raw = with_times_only(raw, layout, found.doubts, file.name)
-        layout, raw = with_cells(file, layout, raw, found.doubts)
+        layout, raw = with_times_only(raw, layout, guessed.doubts, file.name)
+        layout, raw = with_cells(file, layout, raw, guessed.doubts)
         index = index_of(raw, layout)
         columns = raw.drop(columns=time_columns(raw, layout))
         if layout.tz is None and index is not None:
             sun = sunny(columns)
-            zone = zone_of(index, place, sun, found.doubts)
+            zone = zone_of(index, place, sun, guessed.doubts)
             if index.tz is not None:
                 zone = zone_of_offsets(written(raw, layout), index)
             layout = replace(layout, tz=zone)
-        found.layouts.append(in_order(raw, layout, file.name))
+        guessed.layouts.append(in_order(raw, layout, file.name))
         for column in columns:
             name = f"{column} ({file.name})" if column in data else column
             data[name], units[name] = columns[column], below.get(column, "")
-    found.columns = mapped(data, found.columns, tuple(NAMES), found.doubts)
-    by_the_sun(data, found)
+    guessed.columns = mapped(data, guessed.columns, tuple(NAMES), guessed.doubts)
+    by_the_sun(data, guessed)
     if sensors:
-        all_modules(data, found)
-    taken = found.columns.values()
-    found.free = [str(column) for column in data if column not in taken]
+        all_modules(data, guessed)
+    taken = guessed.columns.values()
+    guessed.free = [str(column) for column in data if column not in taken]
     not_taken = {column: data[column] for column in data if column not in taken}
-    found.unused = unused(not_taken, found.there)
-    in_units(found, data, units)
+    guessed.unused = unused(not_taken, guessed.there)
+    in_units(guessed, data, units)
     if check is not None:
-        by_evidence(found, files, how or {}, check)
-    of_wind(found, data)
-    return found
+        by_evidence(guessed, files, how or {}, check)
+    of_wind(guessed, data)
+    return guessed
 
 
 def with_tags(
@@ -151,14 +151,14 @@ def with_tags(
         return layout, raw
     timed = with_times(raw, layout, [], file.name)
     times = time_columns(raw, timed)
-    if (found := tag_and_value(raw, times)) is None:
+    if (pair := tag_and_value(raw, times)) is None:
         return layout, raw
-    layout = replace(timed, tag=found[0], value=found[1])
+    layout = replace(timed, tag=pair[0], value=pair[1])
     doubts.append(
-        f"{file.name} has a row for each reading: each {found[0]!r} is taken for a "
-        f"column, with its {found[1]!r}"
+        f"{file.name} has a row for each reading: each {pair[0]!r} is taken for a "
+        f"column, with its {pair[1]!r}"
     )
-    for column in raw.columns.difference([*times, *found]):
+    for column in raw.columns.difference([*times, *pair]):
         words = raw[column].value_counts()
         if not pd.api.types.is_numeric_dtype(raw[column]) and len(words) > 1:
             doubts.append(
@@ -203,10 +203,10 @@ def rows_of(file: Path, layout: Layout) -> pd.DataFrame:
     return with_times_only(raw, layout, [], "")[1] if layout.drop_untimed else raw
 
 
-def by_the_sun(data: dict, found: Guess) -> None:
+def by_the_sun(data: dict, guessed: Guess) -> None:
     """Of two temperatures of no telling name the warmer by day is the module."""
-    light, air = (found.columns.get(name) for name in ("poa_global", "temp_air"))
-    if "temp_module" in {*found.columns, *data} or air is None or light is None:
+    light, air = (guessed.columns.get(name) for name in ("poa_global", "temp_air"))
+    if "temp_module" in {*guessed.columns, *data} or air is None or light is None:
         return
     alike = re.compile(NAMES["temp_air"][-1])
     other = [c for c in data if c != air and alike.search(spelled(c))]
@@ -216,28 +216,30 @@ def by_the_sun(data: dict, found: Guess) -> None:
     sunny = data[light] > 0.5 * data[light].max()
     warmer = float((data[other[0]] - data[air])[sunny].median())
     module, air = (other[0], air) if warmer > 0 else (air, other[0])
-    found.columns |= {"temp_air": air, "temp_module": module}
-    found.doubts = [d for d in found.doubts if not d.startswith("temp_air may also")]
-    found.doubts.append(
+    guessed.columns |= {"temp_air": air, "temp_module": module}
+    guessed.doubts = [
+        d for d in guessed.doubts if not d.startswith("temp_air may also")
+    ]
+    guessed.doubts.append(
         f"{module!r} is taken for the module, since in the sun it is "
         f"{abs(warmer):.0f} warmer than {air!r}"
     )
 
 
-def all_modules(data: Any, found: Guess) -> None:
+def all_modules(data: Any, guessed: Guess) -> None:
     """Map each further column that looks like a module's temperature."""
-    taken = found.columns.values()
+    taken = guessed.columns.values()
     free = {c: v for c, v in data.items() if c not in taken and not is_own(c)}
     free = [c for c, v in free.items() if pd.api.types.is_numeric_dtype(v)]
     others = [c for c in free if usual_name(c) == "temp_module"]
-    found.columns |= {f"temp_module_{n}": c for n, c in enumerate(others, 2)}
+    guessed.columns |= {f"temp_module_{n}": c for n, c in enumerate(others, 2)}
     alike = "temp_module may also be"
-    found.doubts = [doubt for doubt in found.doubts if not doubt.startswith(alike)]
+    guessed.doubts = [doubt for doubt in guessed.doubts if not doubt.startswith(alike)]
 
 
-def in_units(found: Guess, data: dict, below: dict) -> None:
+def in_units(guessed: Guess, data: dict, below: dict) -> None:
     """What headers say of units, or a line below them."""
-    for name, column in found.columns.items():
+    for name, column in guessed.columns.items():
         if column not in data or usual_name_of(name) is None:
             continue
         unit = named_unit(name, str(column))
@@ -247,17 +249,17 @@ def in_units(found: Guess, data: dict, below: dict) -> None:
             except ValueError:
                 continue
             if unit != own_unit(name):
-                found.units[name] = unit
+                guessed.units[name] = unit
         elif unit not in (None, own_unit(name)):
-            found.headers = True
-        found.area |= name == "p_dc_per_area" and unit in WHOLE
+            guessed.headers = True
+        guessed.area |= name == "p_dc_per_area" and unit in WHOLE
     for name in COLUMNS:
-        column = found.columns.get(name, name)
+        column = guessed.columns.get(name, name)
         if column in data and named_unit(name, str(column)) is None:
             if below.get(column) or column == name:
                 continue
             usual = ", ".join(list(UNITS[QUANTITIES[name]])[1:])
-            found.doubts.append(
+            guessed.doubts.append(
                 f"{column!r} names no unit: it has to be in {own_unit(name)} (--unit "
                 f"{name}=UNIT converts {usual})"
             )
@@ -265,7 +267,7 @@ def in_units(found: Guess, data: dict, below: dict) -> None:
 
 def texts_of_missing(raw: pd.DataFrame, layout: Layout) -> tuple:
     """Texts in columns of numbers, which stand for missing ones."""
-    found = {}
+    texts = {}
     for name, column in raw.items():
         if name in layout.time or pd.api.types.is_numeric_dtype(column):
             continue
@@ -274,53 +276,59 @@ def texts_of_missing(raw: pd.DataFrame, layout: Layout) -> tuple:
         numbers = pd.to_numeric(column, errors="coerce")
         if numbers.notna().sum() > MOSTLY * column.notna().sum():
             bad = column[numbers.isna() & column.notna()].astype(str).unique()
-            found |= dict.fromkeys(bad) if len(bad) <= 3 else {}
-    return tuple(found)
+            texts |= dict.fromkeys(bad) if len(bad) <= 3 else {}
+    return tuple(texts)
 
 
-def by_evidence(found: Guess, files: Any, how: Mapping, check: Callable) -> None:
+def by_evidence(guessed: Guess, files: Any, how: Mapping, check: Callable) -> None:
     """Units that headers do not name and the record itself shows."""
     how = {**how, "convert": True, "module_area": how.get("module_area") or 1.0}
-    headers = {name: found.columns.get(name, name) for name in QUANTITIES}
+    headers = {name: guessed.columns.get(name, name) for name in QUANTITIES}
     for _ in QUANTITIES:
-        units = {**how.get("units", {}), **found.units}
+        units = {**how.get("units", {}), **guessed.units}
         try:
-            check(frame(files, found.layouts, found.columns, **how | {"units": units}))
+            check(
+                frame(files, guessed.layouts, guessed.columns, **how | {"units": units})
+            )
             return
         except SwappedTemperatures as odd:
-            exchange(found, odd.why)
+            exchange(guessed, odd.why)
         except ForeignUnit as odd:
             by_header = {n for n, h in headers.items() if named_unit(n, h) == odd.unit}
             if {*odd.columns} <= {*units} | by_header:
                 return
-            found.units |= dict.fromkeys(odd.columns, odd.unit)
+            guessed.units |= dict.fromkeys(odd.columns, odd.unit)
             names = " and ".join(odd.columns)
-            found.doubts.append(f"{names} may be in {odd.unit}: {odd.why}")
+            guessed.doubts.append(f"{names} may be in {odd.unit}: {odd.why}")
         except (ValueError, KeyError):
             return
 
 
-def of_wind(found: Guess, data: dict) -> None:
+def of_wind(guessed: Guess, data: dict) -> None:
     """Ask for mph where the temperatures are in °F and the wind says nothing."""
-    wind = found.columns.get("wind_speed", "wind_speed")
+    wind = guessed.columns.get("wind_speed", "wind_speed")
     named = wind not in data or named_unit("wind_speed", str(wind)) is not None
-    if "°F" in found.units.values() and "wind_speed" not in found.units and not named:
-        found.doubts.append(
+    if (
+        "°F" in guessed.units.values()
+        and "wind_speed" not in guessed.units
+        and not named
+    ):
+        guessed.doubts.append(
             f"where temperatures are in °F, {wind!r} is mostly in mph: then add --unit "
             "wind_speed=mph"
         )
 
 
-def exchange(found: Guess, why: str) -> None:
+def exchange(guessed: Guess, why: str) -> None:
     """A unit of the air holds for the module, and the other way round."""
     pair = ("temp_air", "temp_module")
-    columns = [found.columns.get(name, name) for name in pair]
-    found.columns |= dict(zip(pair, columns[::-1]))
+    columns = [guessed.columns.get(name, name) for name in pair]
+    guessed.columns |= dict(zip(pair, columns[::-1]))
     units = {
-        b: found.units.pop(a) for a, b in zip(pair, pair[::-1]) if a in found.units
+        b: guessed.units.pop(a) for a, b in zip(pair, pair[::-1]) if a in guessed.units
     }
-    found.units |= units
-    found.doubts.append(
+    guessed.units |= units
+    guessed.doubts.append(
         f"{columns[0]!r} is taken for the module and {columns[1]!r} for the air: the "
         f"other way round, {why}"
     )

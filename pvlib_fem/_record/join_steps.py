@@ -66,14 +66,14 @@ class JoinedColumns:
 
     def at(self, inputs: Inputs) -> dict:
         """The columns at the times of other inputs."""
-        wanted, found = since(self.start, inputs.index), {}
+        wanted, columns = since(self.start, inputs.index), {}
         for name, (seconds, values) in self.columns.items():
-            found[name] = np.interp(wanted, seconds, values)
+            columns[name] = np.interp(wanted, seconds, values)
             if name in ROUND:
-                found[name] %= 360.0
+                columns[name] %= 360.0
             for needed in self.made_of.get(name, ()):
-                found[name][np.isnan(inputs[needed])] = np.nan
-        return found
+                columns[name][np.isnan(inputs[needed])] = np.nan
+        return columns
 
 
 def since(start: np.datetime64, index: Any) -> np.ndarray:

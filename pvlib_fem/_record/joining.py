@@ -64,16 +64,16 @@ def joined(tables: list, names: list, columns: Mapping) -> tuple[pd.DataFrame, l
         states = {columns.get("temp_module", "temp_module")}
         directions = {columns.get(name, name) for name in ANGLES}
         part = onto(table, whole.index, steps[base], steps[i], states, directions)
-        found = int(part.notna().any(axis=1).sum())
-        if found < LEAST * min(len(table), len(whole)):
+        in_both = int(part.notna().any(axis=1).sum())
+        if in_both < LEAST * min(len(table), len(whole)):
             raise ValueError(
-                f"only {found:,} of the {len(whole):,} times of {names[base]} are in "
+                f"only {in_both:,} of the {len(whole):,} times of {names[base]} are in "
                 f"{names[i]}: it has {span(table)}, the other {span(whole)}; give "
                 "--tz once for each file if their clocks are in different zones"
             )
         how = "nearest rows" if steps[i] > steps[base] / 2.0 else "means over its steps"
         notes.append(
-            f"{names[i]} joined to {names[base]}, {how}: {found:,} of {len(whole):,} "
+            f"{names[i]} joined to {names[base]}, {how}: {in_both:,} of {len(whole):,} "
             "times are in both"
         )
         whole = whole.join(part)

@@ -28,11 +28,11 @@ def joined_labels(levels: list) -> list:
 
 
 def name_of(parts: tuple) -> str:
-    found = []
+    words = []
     for part in map(bare, parts):
-        if part and part not in found[-1:]:
-            found.append(part)
-    return "_".join(found)
+        if part and part not in words[-1:]:
+            words.append(part)
+    return "_".join(words)
 
 
 def bare(cell: str) -> str:
@@ -59,11 +59,11 @@ def merged(levels: list) -> list:
 
 
 def filled(level: Any) -> Any:
-    found, before = [], ""
+    cells, before = [], ""
     for cell in level:
         before = cell or before
-        found.append(before)
-    return found
+        cells.append(before)
+    return cells
 
 
 def levels_of(data: Any) -> Any:

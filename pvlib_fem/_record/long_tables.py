@@ -56,15 +56,15 @@ def wide(data: Any, tag: Any, value: Any, times: Any) -> Any:
         )
     once = readings.set_index([*times, tag])[value]
     rows = readings[times].drop_duplicates().set_index(times).index
-    found = once.unstack(tag).reindex(rows)[readings[tag].unique()]  # noqa: PD010
-    found = found.rename_axis(columns=None)
-    if len(found) and found.notna().to_numpy().mean() < FULL:
+    table = once.unstack(tag).reindex(rows)[readings[tag].unique()]  # noqa: PD010
+    table = table.rename_axis(columns=None)
+    if len(table) and table.notna().to_numpy().mean() < FULL:
         raise ValueError(
-            f"the readings of {tag!r} have times of their own: of {len(found):,} times "
-            f"most lack most of {found.shape[1]}; write means over common steps, or a "
+            f"the readings of {tag!r} have times of their own: of {len(table):,} times "
+            f"most lack most of {table.shape[1]}; write means over common steps, or a "
             "file for each tag, which are joined on their times"
         )
-    return found.reset_index()
+    return table.reset_index()
 
 
 def tag_and_value(data: pd.DataFrame, times: list) -> Any:

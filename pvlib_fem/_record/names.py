@@ -220,8 +220,8 @@ def unmapped(columns: dict) -> dict:
     dict of str
         The file's name to the package's name that it looks like.
     """
-    found = {c: usual_name(c) for c in columns if not is_own(c)}
-    return {column: name for column, name in found.items() if name in DRIVERS}
+    usual_names = {c: usual_name(c) for c in columns if not is_own(c)}
+    return {column: name for column, name in usual_names.items() if name in DRIVERS}
 
 
 def unused(columns: dict, taken: set) -> dict:
@@ -239,11 +239,13 @@ def unused(columns: dict, taken: set) -> dict:
     -------
     dict of list
     """
-    found = {}
+    by_reason = {}
     for column, values in columns.items():
         if not is_own(column):
-            found.setdefault(why_unused(column, values, taken), []).append(str(column))
-    return found
+            by_reason.setdefault(why_unused(column, values, taken), []).append(
+                str(column)
+            )
+    return by_reason
 
 
 def why_unused(column: str, values: pd.Series, taken: set) -> str:

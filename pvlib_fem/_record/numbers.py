@@ -108,15 +108,15 @@ def marks_of(texts: list, decimal: str) -> tuple:
     tuple of str
         One or two characters each; empty with none, or more than five.
     """
-    usual, found = form_of(decimal), {}
+    usual, marks = form_of(decimal), {}
     for column in texts:
         some = strings(column).str.strip()
         plain = some.map(usual.fullmatch).notna()
         bare = some[~plain].str.extract(r"^(.*?)\s*([^\d\s.,]{1,2})$")
         numbers = bare[0].map(usual.fullmatch, na_action="ignore").notna()
         if plain.sum() > MOSTLY * len(some) and len(bare) and numbers.all():
-            found |= dict.fromkeys(bare[1].unique())
-    return tuple(found) if len(found) <= FEW_MARKS else ()
+            marks |= dict.fromkeys(bare[1].unique())
+    return tuple(marks) if len(marks) <= FEW_MARKS else ()
 
 
 def strings(column: pd.Series) -> pd.Series:
@@ -200,7 +200,7 @@ def remedy_for(word: str) -> str:
             f"give --missing {shlex.quote(mark)} if {mark!r} marks values that are not "
             "to be used, or take it out of the cells"
         )
-    if found := WITH_UNIT.fullmatch(word):
-        return f"take the unit {found[1].strip()!r} out of the cells"
+    if with_unit := WITH_UNIT.fullmatch(word):
+        return f"take the unit {with_unit[1].strip()!r} out of the cells"
     missing = f"--missing '{word}' if it stands for a missing value"
     return f"give {' or '.join(remedies or [missing])}"

@@ -79,8 +79,10 @@ class Block:
         first, last = dates_of(ends)
         days = np.arange(first, last + 1, dtype=np.int32)
         midnights = pd.DatetimeIndex(days[1:].astype("M8[D]").astype("M8[ns]"))
-        found = instants(midnights - offsets[0]).astype(f"M8[{self.index.unit}]")
-        edges = np.searchsorted(self.times, found.view("i8"))
+        utc_midnights = instants(midnights - offsets[0]).astype(
+            f"M8[{self.index.unit}]"
+        )
+        edges = np.searchsorted(self.times, utc_midnights.view("i8"))
         return np.repeat(days, np.diff([0, *edges, len(self)]))
 
 
@@ -243,8 +245,8 @@ class ParquetRecord:
         wanted = {n: self.columns[n] for n in names if n not in self.absent}
         start = 0
         for _, batch, _ in self.batches([*wanted.values()], rows):
-            found = {name: numbers(batch, column) for name, column in wanted.items()}
-            yield start, found | self.nothing(names, batch)
+            columns = {name: numbers(batch, column) for name, column in wanted.items()}
+            yield start, columns | self.nothing(names, batch)
             start += batch.num_rows
 
     def nothing(self, names: Iterable[str], batch: Any) -> dict[str, np.ndarray]:
@@ -273,8 +275,8 @@ class ParquetRecord:
 
     def times(self, column: Any, late: np.ndarray) -> pd.DatetimeIndex:
         """A column of times as an index in the record's zone."""
-        found = column.to_numpy(zero_copy_only=False).astype(f"M8[{self.unit}]")
-        index = pd.DatetimeIndex(found, name="time")
+        stamps = column.to_numpy(zero_copy_only=False).astype(f"M8[{self.unit}]")
+        index = pd.DatetimeIndex(stamps, name="time")
         return in_zone(index, self.tz, self.naive, late)
 
 

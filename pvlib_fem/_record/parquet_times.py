@@ -43,7 +43,7 @@ def on_the_clock(
     ValueError
         If rows hold no time and are not to be left out.
     """
-    notes, found = [], list(groups)
+    notes, timed = [], list(groups)
     if untimed := [group for group in groups if group.nulls]:
         rows = sum(group.nulls for group in untimed)
         if not drop_untimed:
@@ -53,15 +53,15 @@ def on_the_clock(
                 ShellText("drop_untimed=True (--drop-untimed)", "--drop-untimed"),
                 " to leave such rows out",
             )
-        found = [without_nulls(group, times_of) for group in groups]
-        found = [group for group in found if group.rows]
+        timed = [without_nulls(group, times_of) for group in groups]
+        timed = [group for group in timed if group.rows]
         notes.append(
             f"rows without a time, left out: {rows:,}, the first in {untimed[0].file}"
         )
     if tz is None:
-        return found, notes
-    runs, localized, pairs = [], [], changes(found, tz)
-    for near, run in itertools.groupby(found, lambda group: meets(group, pairs)):
+        return timed, notes
+    runs, localized, pairs = [], [], changes(timed, tz)
+    for near, run in itertools.groupby(timed, lambda group: meets(group, pairs)):
         run = list(run)
         if near:
             run, *rows = in_the_zone(run, times_of, tz)
@@ -108,14 +108,14 @@ def in_the_zone(run: Any, times_of: Any, tz: str) -> Any:
     early = index[good].tz_localize(tz, ambiguous=np.ones(good.sum(), dtype=bool))
     late = np.zeros(len(index), dtype=bool)
     late[good] = np.asarray(local != early)
-    found, start = [], 0
+    zoned, start = [], 0
     for group, part, had in zip(run, times, kept):
         rows = slice(start, start + had.sum())
         start = rows.stop
         has, second = np.array(had), np.zeros(len(had), dtype=bool)
         has[had], second[had] = good[rows], late[rows]
         ends = part[has] if has.any() else part[had]
-        found.append(
+        zoned.append(
             replace(
                 group,
                 rows=int(has.sum()),
@@ -125,7 +125,7 @@ def in_the_zone(run: Any, times_of: Any, tz: str) -> Any:
                 late=tuple(np.flatnonzero(second).tolist()),
             )
         )
-    return found, index.to_numpy(), there, once
+    return zoned, index.to_numpy(), there, once
 
 
 def in_file(groups: list) -> tuple[np.ndarray, np.ndarray]:

@@ -109,5 +109,5 @@ def possible(name: str) -> tuple[float, float, str] | None:
     (float, float, str) or None
         Least, most and their unit; None for a column of which nothing is known.
     """
-    found = range_of(name)
-    return found and found[:3]
+    known_range = range_of(name)
+    return known_range and known_range[:3]

@@ -56,11 +56,13 @@ def zones_of(column: Any) -> Any:
         empty where no letters are of several zones.
     """
     # in the order of the column, so that each run has the same zones
-    found = dict.fromkeys(map(last_letters, column.astype(str).unique()))
-    found.pop("", None)  # of a cell without letters
-    zones = [SEVERAL[letters] for letters in found if letters in SEVERAL]
+    abbreviations = dict.fromkeys(map(last_letters, column.astype(str).unique()))
+    abbreviations.pop("", None)  # of a cell without letters
+    zones = [SEVERAL[letters] for letters in abbreviations if letters in SEVERAL]
     # of two in one file, such as CST and CDT, the zone that has both
-    if zones and (fitting := [z for z in zones[0] if {*found} <= {*names_of(z)}]):
+    if zones and (
+        fitting := [z for z in zones[0] if {*abbreviations} <= {*names_of(z)}]
+    ):
         return fitting
     return list(zones[0]) if zones else []
 
@@ -78,8 +80,8 @@ def last_letters(text: str) -> str:
     str
         Such as ``"CET"``; empty without any, and never AM or PM.
     """
-    found = LETTERS.findall(text)
-    return found[-1] if found else ""
+    all_letters = LETTERS.findall(text)
+    return all_letters[-1] if all_letters else ""
 
 
 def without_letters(column: Any, time_format: str, tz: str | None = None) -> Any:
