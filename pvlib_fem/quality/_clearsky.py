@@ -55,16 +55,16 @@ def clear_sky(
        Linke turbidity coefficient", Solar Energy 73, 151-157, 2002, as in
        :func:`pvlib.clearsky.ineichen`. :doi:`10.1016/S0038-092X(02)00045-2`
     """
-    found, local = np.full(len(index), np.nan), index.tz_localize(None)
+    clear_poa, local = np.full(len(index), np.nan), index.tz_localize(None)
     months = np.asarray(12 * local.year + local.month)
     looked = clear_days(poa_global, index, location, late, months, SHARE)
     if looked is None:
-        return found
+        return clear_poa
     rows, sky = looked
     modelled = sky.on_plane(at_rows(angles or FLAT, rows))
     clear = shape_deviation(sky.poa, modelled, sky.day) < SHAPE
-    found[rows] = np.where(clear[sky.day], modelled, np.nan)
-    return found
+    clear_poa[rows] = np.where(clear[sky.day], modelled, np.nan)
+    return clear_poa
 
 
 def shape_deviation(

@@ -114,13 +114,13 @@ def zones_around(
 @cache
 def places() -> dict:
     """Latitude and longitude of each zone's own place, in degrees."""
-    found = {}
+    coordinates = {}
     for line in table().splitlines():
         if line and not line.startswith("#"):
             _, place, zone = line.split("\t")[:3]
             cut = max(place.rfind("+"), place.rfind("-"))
-            found[zone] = degrees(place[:cut], 2), degrees(place[cut:], 3)
-    return found
+            coordinates[zone] = degrees(place[:cut], 2), degrees(place[cut:], 3)
+    return coordinates
 
 
 def table() -> str:

@@ -142,7 +142,7 @@ def daylight_saving(
     brief = f"the file {', and '.join(words)}"
     evidence = evidence_of(noon, now, int((~kept).sum()))
     line = brief + evidence
-    before, after = (root_mean_square(found.days) / 60 for found in (noon, now))
+    before, after = (root_mean_square(shift.days) / 60 for shift in (noon, now))
     return Daylight(
         zone, line, times, kept, before, after, due, taken, now.jumps, brief, evidence
     )
@@ -164,7 +164,7 @@ def better(then: SolarNoon, now: SolarNoon) -> bool:
 
 def evidence_of(noon: SolarNoon, now: SolarNoon, lost: int) -> str:
     """What the corrected times gain and lose, in words."""
-    before, after = (root_mean_square(found.days) / 60 for found in (noon, now))
+    before, after = (root_mean_square(shift.days) / 60 for shift in (noon, now))
     line = (
         f"; the day's light is {after:.0f} min off the sun, and was {before:.0f} (root "
         "mean square)"
@@ -214,13 +214,13 @@ def zone_of(
 
 def against(due: list, zone: str, noon: SolarNoon, limits: Any) -> str:
     """What speaks against a zone whose clock moves on these dates; "" if nothing."""
-    unmatched, found = list(due), 0
+    unmatched, matched = list(due), 0
     for (_, by), within in zip(noon.jumps, noon.within):
         for transition in [t for t in unmatched if same(*[t, by, *within, limits])][:1]:
             unmatched.remove(transition)
-            found += 1
-    if found < 2:
-        on = "none of its dates" if not found else "one of its dates alone"
+            matched += 1
+    if matched < 2:
+        on = "none of its dates" if not matched else "one of its dates alone"
         return f"{zone} has {changes(due)}, and the day's light moves on {on}"
     if missed := [t for t in unmatched if visible(t[0], noon.days, limits)]:
         return f"{zone} has {changes(missed)}, and the day's light does not move then"

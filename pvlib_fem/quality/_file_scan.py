@@ -110,9 +110,9 @@ class Column:
         if steep:
             x, rows, count = both
             seconds = (count - count[0]) * self.unit
-            found = jumps(self.name, x, seconds, self.limits)
-            if found.any():
-                part = rows[found], count[found], x[found]
+            spiked = jumps(self.name, x, seconds, self.limits)
+            if spiked.any():
+                part = rows[spiked], count[spiked], x[spiked]
                 self.odd.setdefault("spike", []).append(part)
         self.tail = tuple(part[-self.limits.max_accident_rows - 1 :] for part in both)
 
@@ -151,9 +151,9 @@ class Column:
         rows, times, values = map(np.concatenate, zip(*parts))
         if len(rows) > limits.max_accident_share * self.known:
             return none
-        found, counts = np.unique(values, return_counts=True)
+        codes, counts = np.unique(values, return_counts=True)
         far = (np.abs(values) >= factor * rest).all()
-        if not far or len(found) > 2 or (counts < fewest).any():
+        if not far or len(codes) > 2 or (counts < fewest).any():
             return none
         return rows, times, values
 
@@ -245,15 +245,15 @@ class Look:
 
     def standing(self, rests: dict) -> dict:
         """Long repetitions of each column, by where its sensor rests."""
-        found = {}
+        runs = {}
         for name, column in self.columns.items():
             if column.standing is None:
                 continue
             if not column.never_moves:
-                found[name] = column.standing.runs(rests[name])
+                runs[name] = column.standing.runs(rests[name])
             elif name in POSSIBLE:  # another may be a number that stands for all
-                found[name] = whole_run(*[column.low, self.rows, *self.ends, self.unit])
-        return found
+                runs[name] = whole_run(*[column.low, self.rows, *self.ends, self.unit])
+        return runs
 
 
 def count_steps(counts: dict, steps: np.ndarray) -> None:

@@ -48,8 +48,8 @@ def between(inputs: Inputs) -> Iterator:
     seconds = inputs.seconds[rows]
     periods = [period for period in PERIODS if period >= FEWEST_ROWS * step]
     for name in (name for name in COLUMNS if name in inputs.columns):
-        if found := filled(inputs[name][rows], seconds, step, periods):
-            words, period = found
+        if filling := filled(inputs[name][rows], seconds, step, periods):
+            words, period = filling
             yield (
                 f"{name} {words.format(period / 60)}, and rows are {step / 60:.2g} "
                 "min apart: what it does in between is not in the record; give "

@@ -63,9 +63,11 @@ def twin_clock(
     if len(apart) < limits.noon_window:
         return IrradianceClock(np.nan, np.nan, pd.Series(dtype=float))
     number, middle = apart.index.to_numpy(), apart.to_numpy()
-    found = jumps_of(number, middle, limits) if step <= limits.max_noon_step else []
+    noon_jumps = (
+        jumps_of(number, middle, limits) if step <= limits.max_noon_step else []
+    )
     dates = days_of(index[0], dark + number * DAY)
-    jumps = tuple((dates[jump["at"]], jump["by"]) for jump in found)
+    jumps = tuple((dates[jump["at"]], jump["by"]) for jump in noon_jumps)
     days = pd.Series(middle, dates)
     late, stderr, _ = change(np.zeros(1), days.to_numpy())
     parts = []

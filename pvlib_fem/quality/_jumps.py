@@ -41,10 +41,10 @@ def jumps_of(
     tried = tried[
         np.abs(moves(middle, limits.noon_window))[tried] >= limits.daylight_tolerance
     ]
-    found = filter(None, (jump_at(i, day, middle, limits, apart) for i in tried))
+    candidates = filter(None, (jump_at(i, day, middle, limits, apart) for i in tried))
     # neighbours see the same jump; it is where both sides are the most even
     groups = []
-    for jump in found:
+    for jump in candidates:
         if groups and together(groups[-1][-1], jump, limits):
             groups[-1].append(jump)
         else:

@@ -70,15 +70,16 @@ def lag(
     sums = Products(poa, air, module, count, round(ANSWER / step))
     if not sums.informative:
         return None
-    found = weighed(sums, step, limits)
+    overall = weighed(sums, step, limits)
     if base <= limits.max_onset_step:  # whose onset is looked for
-        return found
+        return overall
     day = np.unique(np.floor((seconds + front) / DAY))
     begin = [
-        (day[at] * DAY - front, rows) for at, rows in hours_by_days(sums, found, limits)
+        (day[at] * DAY - front, rows)
+        for at, rows in hours_by_days(sums, overall, limits)
     ]
     hours = tuple((float(at), rows * step) for at, rows in begin)
-    return replace(found, hours=hours if len(hours) > 1 else ())
+    return replace(overall, hours=hours if len(hours) > 1 else ())
 
 
 def retimed(
@@ -280,7 +281,7 @@ def weighed(sums: Products, step: float, limits: Limits) -> Lag:
     return Lag(late, step, sure, share, float(ratio), best, tried[best][0])
 
 
-def hours_by_days(sums: Products, found: Lag, limits: Limits) -> list:
+def hours_by_days(sums: Products, overall: Lag, limits: Limits) -> list:
     """From which day on the module is how many rows late; one pair if it is so always.
 
     Stretches are of months, since a few weeks of one sky may be an accident.
@@ -290,7 +291,7 @@ def hours_by_days(sums: Products, found: Lag, limits: Limits) -> list:
     runs = []
     for first, end in pairwise(parts.astype(int)):
         part = sums.part(first, end)
-        one = weighed(part, found.step, limits) if part.informative else None
+        one = weighed(part, overall.step, limits) if part.informative else None
         if (
             one is None
             or one.share < limits.min_lag_share
@@ -306,8 +307,8 @@ def hours_by_days(sums: Products, found: Lag, limits: Limits) -> list:
         if (lag := other[0][0]) != hours[-1][1]:
             first, end = one[-1][1], other[0][2]
             part = sums.part(first, end)
-            gain = part.residual(hours[-1][1], found.answer) - part.residual(
-                lag, found.answer
+            gain = part.residual(hours[-1][1], overall.answer) - part.residual(
+                lag, overall.answer
             )
             at = first + int(np.argmin(np.cumsum(np.append(0.0, gain))))
             hours.append((at, lag))

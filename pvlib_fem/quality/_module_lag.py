@@ -137,12 +137,12 @@ def clock_shift(
     poa, module = record["poa_global"], record["temp_module"]
     if skip is not None:
         module = np.where(skip, np.nan, module)
-    found = lag(seconds, poa, record["temp_air"], module, limits)
+    coarse = lag(seconds, poa, record["temp_air"], module, limits)
     if base > limits.max_onset_step:
-        if found is None:
+        if coarse is None:
             return unknown("hardly any light moves it")
-        return by_hours(record.index[0], found) if found.hours else by_rows(found)
-    far = found.late if found and abs(found.late) > HOUR else 0.0
+        return by_hours(record.index[0], coarse) if coarse.hours else by_rows(coarse)
+    far = coarse.late if coarse and abs(coarse.late) > HOUR else 0.0
     if far:
         module = retimed(seconds, module, far)
     sums = daily_sums(seconds, base, poa, module, limits)
@@ -150,15 +150,15 @@ def clock_shift(
     if changes := jumps_between(sums, blocks, limits):
         blocks = measured_blocks(sums, [change["day"] for change in changes], limits)
     if not blocks and far:
-        return by_rows(found)
+        return by_rows(coarse)
     if not blocks:
         return unknown("too little broken cloud, whose edges show where it begins")
     return judge(record.index[0], seconds, sums, blocks, changes, limits, far)
 
 
-def by_hours(origin: pd.Timestamp, found: Lag) -> Clock:
+def by_hours(origin: pd.Timestamp, coarse: Lag) -> Clock:
     """The clock where the step in which an answer begins changes."""
-    (_, first), *rest = found.hours
+    (_, first), *rest = coarse.hours
     hours = ((-np.inf, first), *rest)
     moves = [late - before for (_, before), (_, late) in pairwise(hours)]
     jumps = tuple((day_of(origin, at), by) for (at, _), by in zip(rest, moves))
@@ -167,21 +167,21 @@ def by_hours(origin: pd.Timestamp, found: Lag) -> Clock:
         line += ", as daylight-saving time does"
     faults = {"dst": line}
     return Clock(
-        0.0, 0.0, jumps=jumps, faults=faults, why=line, hours=hours, limit=found.step
+        0.0, 0.0, jumps=jumps, faults=faults, why=line, hours=hours, limit=coarse.step
     )
 
 
-def by_rows(found: Any) -> Clock:
+def by_rows(coarse: Any) -> Clock:
     """The clock as far as whole steps tell."""
-    if not found.late:
-        return Clock(late=0.0, stderr=0.0, limit=found.step)
+    if not coarse.late:
+        return Clock(late=0.0, stderr=0.0, limit=coarse.step)
     line = (
-        f"timestamps of temp_module run {abs(found.late) / HOUR:.3g} h "
-        f"{side_of(found.late)} those of poa_global, in whole steps of "
-        f"{found.step / 60:.0f} min"
+        f"timestamps of temp_module run {abs(coarse.late) / HOUR:.3g} h "
+        f"{side_of(coarse.late)} those of poa_global, in whole steps of "
+        f"{coarse.step / 60:.0f} min"
     )
     faults = {"clock_shift": line}
-    return Clock(found.late, 0.0, faults=faults, why=line, limit=found.step)
+    return Clock(coarse.late, 0.0, faults=faults, why=line, limit=coarse.step)
 
 
 def unknown(reason: str) -> Clock:
@@ -190,7 +190,7 @@ def unknown(reason: str) -> Clock:
 
 def jumps_between(sums: Sums, blocks: list, limits: Limits) -> list:
     """Days at which the clock moved by an hour, and by what. [s]"""
-    shape, found = plain(sums.step), []
+    shape, jumps = plain(sums.step), []
     for one, other, end in zip(blocks, blocks[1:], [*blocks[2:], {"day": len(sums)}]):
         moved = abs(other["late"] - one["late"])
         if abs(moved - HOUR) >= limits.min_noon_error:
@@ -201,8 +201,8 @@ def jumps_between(sums: Sums, blocks: list, limits: Limits) -> list:
         gain = np.concatenate(([0.0], np.cumsum(before - after)))
         day = int(one["day"] + np.argmax(gain))
         hour = HOUR * float(np.sign(other["late"] - one["late"]))
-        found.append({"day": day, "seconds": sums.begin(day), "by": hour})
-    return found
+        jumps.append({"day": day, "seconds": sums.begin(day), "by": hour})
+    return jumps
 
 
 def judge(

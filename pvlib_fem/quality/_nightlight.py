@@ -44,8 +44,8 @@ class NightLight:
         place, poa = self.places(index)[there], poa[there]
         weights = None, poa > self.limits.min_light, poa
         for table, weight in zip((self.known, self.lit, self.sum), weights):
-            found = np.bincount(place, weight, table.size)
-            table += found.reshape(table.shape)
+            sums = np.bincount(place, weight, table.size)
+            table += sums.reshape(table.shape)
 
     def dark(self) -> np.ndarray:
         """Whether light is an accident then, by that number."""

@@ -330,9 +330,9 @@ def due(
     tilt, turn = (usual if a is None else a for a, usual in zip(angles, (0.0, 180.0)))
     if mount is not None:
         own = times if start.tz else start + pd.to_timedelta(seconds, unit="s")
-        found = orientation(mount, times, location, own)
-        tilt = np.nan_to_num(found.get(ANGLES[0], tilt))
-        turn = np.nan_to_num(found.get(ANGLES[1], turn), nan=180.0)
+        mount_angles = orientation(mount, times, location, own)
+        tilt = np.nan_to_num(mount_angles.get(ANGLES[0], tilt))
+        turn = np.nan_to_num(mount_angles.get(ANGLES[1], turn), nan=180.0)
     poa = pvlib.irradiance.get_total_irradiance(
         tilt,
         turn,

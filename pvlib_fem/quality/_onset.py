@@ -293,8 +293,8 @@ def error(
     same = used.T @ normal
     slope -= used @ np.linalg.lstsq(same @ used, same @ slope, rcond=None)[0]
     own = sums.own[days][:, : len(lags)]
-    found = np.einsum("ij,j->i", sums.later(lags[0], len(lags), days), slope)
-    score = found - quadratic(own, slope, answer)
+    measured = np.einsum("ij,j->i", sums.later(lags[0], len(lags), days), slope)
+    score = measured - quadratic(own, slope, answer)
     information = np.maximum(quadratic(own, slope, slope), 0.0)
     if not information.sum() > 0:
         return np.inf, information

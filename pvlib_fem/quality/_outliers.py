@@ -184,7 +184,7 @@ def range_ends(name: str, values: np.ndarray, index: pd.Index, limits: Limits) -
     list of float
         The largest value, the smallest, both or none.
     """
-    found = []
+    ends = []
     for way in ENDS.get(name, ()):
         most = (np.fmax if way > 0 else np.fmin).reduce(values)
         at = values == most
@@ -200,8 +200,8 @@ def range_ends(name: str, values: np.ndarray, index: pd.Index, limits: Limits) -
         # a coarse sensor has its next value further away
         near = min(most - limits.max_accident_share * (most - below.min()), below.max())
         if rows > np.count_nonzero(below >= near):
-            found.append(float(way * most))
-    return found
+            ends.append(float(way * most))
+    return ends
 
 
 def at_end(

@@ -20,22 +20,22 @@ class Screened:
 
     record: CleanRecord
     look: Look
-    found: tuple = ()  # of Found
+    fault_rows: tuple = ()  # of FaultRow
     odd: tuple = ()  # what looks odd without being at fault
     missing: dict = field(default_factory=dict)
     clipped: int = 0
 
     @property
     def notes(self) -> tuple:
-        found = map(sentence, self.found)
+        lines = map(sentence, self.fault_rows)
         source: Any = self.record.source  # of files, which have notes
-        return (*source.notes, *found, *self.odd)
+        return (*source.notes, *lines, *self.odd)
 
     @property
     def impossible(self) -> dict:
         """Rows of each column that were not measured, those that repeat aside."""
         counts = Counter()
-        for one in self.found:
+        for one in self.fault_rows:
             counts[one.column] += one.rows if one.kind != "stuck" else 0
         return {name: counts[name] for name in self.record.names}
 
@@ -77,21 +77,24 @@ def screened_blocks(
     """
     clean = CleanRecord(source, (*COLUMNS, *drivers))
     needed = clean.names if needed is None else needed
-    found = Screener.of(clean, limits or Limits())
-    limits = found.limits
-    found.look.refuse_gaps(limits, source)
-    missing = found.refuse_nothing(needed)
-    found.fills()
-    found.refuse_empty()
+    screening = Screener.of(clean, limits or Limits())
+    limits = screening.limits
+    screening.look.refuse_gaps(limits, source)
+    missing = screening.refuse_nothing(needed)
+    screening.fills()
+    screening.refuse_empty()
     if check_units:
-        refuse_units(found.judged(), limits)
-    clipped = found.rules()
-    found.refuse_impossible()
-    found.ends()
-    found.standing()
-    sample = found.sampled()
+        refuse_units(screening.judged(), limits)
+    clipped = screening.rules()
+    screening.refuse_impossible()
+    screening.ends()
+    screening.standing()
+    sample = screening.sampled()
     if check_units:
         refuse_doubtful(sample.columns, limits)
-    faults, odd = tuple(found.faults()), tuple(oddities(sample, limits, source.absent))
-    found.look.forget()
-    return Screened(found.clean, found.look, faults, odd, missing, clipped)
+    faults, odd = (
+        tuple(screening.faults()),
+        tuple(oddities(sample, limits, source.absent)),
+    )
+    screening.look.forget()
+    return Screened(screening.clean, screening.look, faults, odd, missing, clipped)

@@ -314,12 +314,12 @@ class Sky:
         """The angles, their errors, and the relative residual of the irradiance."""
         best = self.best()
         sky = self.rows(np.isin(self.day, self.nearest(best)))
-        found = sky.search(best)
+        angles = sky.search(best)
         folds = sky.day % GROUPS
-        others = [sky.rows(folds != fold).search(found) for fold in range(GROUPS)]
-        apart = turned(np.array(others) - found)
+        others = [sky.rows(folds != fold).search(angles) for fold in range(GROUPS)]
+        apart = turned(np.array(others) - angles)
         errors = np.sqrt((GROUPS - 1) / GROUPS * (apart**2).sum(axis=0))
-        return found, errors, np.sqrt(np.mean(sky.residual(found) ** 2))
+        return angles, errors, np.sqrt(np.mean(sky.residual(angles) ** 2))
 
     def rows(self, kept: np.ndarray) -> Any:
         """The clear sky of some rows."""
@@ -345,7 +345,7 @@ class Sky:
 
     def search(self, start: np.ndarray | tuple) -> np.ndarray:
         """The angles with the least residual, searched from a start. [°]"""
-        found = least_squares(
+        solution = least_squares(
             self.residual,
             start,
             bounds=([0.0, -np.inf], [90.0, np.inf]),
@@ -353,7 +353,7 @@ class Sky:
             f_scale=0.05,
             x_scale=[10.0, 10.0],
         )
-        return found.x
+        return solution.x
 
     def best(self) -> np.ndarray:
         """The angles with the least residual of all."""

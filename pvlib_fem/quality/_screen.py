@@ -35,11 +35,11 @@ class Faults:
     @property
     def impossible(self) -> dict:
         """Rows of each column that were not measured, those that repeat aside."""
-        found = {
+        masks = {
             name: self.faulty_rows(name, ("stuck",))
             for name in self.record.inputs.columns
         }
-        return {name: int(np.count_nonzero(rows)) for name, rows in found.items()}
+        return {name: int(np.count_nonzero(rows)) for name, rows in masks.items()}
 
     @property
     def counts(self) -> Any:
@@ -102,11 +102,11 @@ def screened(
     """
     limits = limits or Limits()
     refuse_stray(record.index, limits)
-    found, clipped = by_columns(record, limits, check_units)
-    found.standing()
+    screening, clipped = by_columns(record, limits, check_units)
+    screening.standing()
     if check_units:
-        refuse_doubtful(found.sampled().columns, limits)
-    return less(record, found, clipped)
+        refuse_doubtful(screening.sampled().columns, limits)
+    return less(record, screening, clipped)
 
 
 def alone(
@@ -154,15 +154,15 @@ def by_columns(
     late: bool = False,
 ) -> tuple[Screener, int]:
     """What the rules find that look at one column, and rows of offset by night."""
-    found = screener(record, limits, names)
-    found.fills()
-    found.refuse_empty()
+    screening = screener(record, limits, names)
+    screening.fills()
+    screening.refuse_empty()
     if check_units:
-        refuse_units(found.judged(), limits, late)
-    clipped = found.rules()
-    found.refuse_impossible()
-    found.ends()
-    return found, clipped
+        refuse_units(screening.judged(), limits, late)
+    clipped = screening.rules()
+    screening.refuse_impossible()
+    screening.ends()
+    return screening, clipped
 
 
 def screener(record: Record, limits: Limits, names: tuple | None = None) -> Screener:
@@ -184,7 +184,7 @@ def less(record: Record, screening: Screener, clipped: int) -> tuple[Record, Fau
 @dataclass(frozen=True, eq=False)
 class Screening:
     """
-    What a record holds that was not measured; ``print(found)`` says it.
+    What a record holds that was not measured; ``print(screening)`` says it.
 
     Attributes
     ----------
@@ -214,8 +214,8 @@ class Screening:
     @property
     def mask(self) -> pd.DataFrame:
         """True where a value is at fault for any reason."""
-        found = np.any([mask.to_numpy() for mask in self.masks.values()], axis=0)
-        return pd.DataFrame(found, self.cleaned.index, self.cleaned.columns)
+        at_fault = np.any([mask.to_numpy() for mask in self.masks.values()], axis=0)
+        return pd.DataFrame(at_fault, self.cleaned.index, self.cleaned.columns)
 
     def __str__(self) -> str:
         rows = f"{len(self.cleaned):,} rows"
@@ -273,12 +273,14 @@ def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening
     >>> import pvlib_fem as fem
     >>> data = fem.datasets.synthetic(days=3, step=600)
     >>> data.iloc[[60, 61], data.columns.get_loc("poa_global")] = -7999.0
-    >>> found = fem.screen_record(data)
-    >>> found.counts[["column", "kind", "rows", "value"]]
+    >>> screening = fem.screen_record(data)
+    >>> screening.counts[["column", "kind", "rows", "value"]]
            column        kind  rows   value
     0  poa_global  fill value     2 -7999.0
-    >>> int(found.mask.to_numpy().sum()), int(found.cleaned["poa_global"].isna().sum())
-    (2, 2)
+    >>> int(screening.mask.to_numpy().sum())
+    2
+    >>> int(screening.cleaned["poa_global"].isna().sum())
+    2
     """
     limits = limits or Limits()
     record, labels = of_frame(data)

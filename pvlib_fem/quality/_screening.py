@@ -47,7 +47,7 @@ PLACED = (*GEOMETRY, ROTATION)  # angles, which no rule checks
 PARTS = 1000  # of a day, more than there are
 
 #: what was found of one kind in one column, as Faults.counts has it
-Found = namedtuple("Found", "column kind rows first value")
+FaultRow = namedtuple("FaultRow", "column kind rows first value")
 
 #: faults of a value, in the order in which they are checked, and how
 #: it is said after the column's name
@@ -68,7 +68,7 @@ def sentence(row: Any) -> str:
 
     Parameters
     ----------
-    row : Found
+    row : FaultRow
         Or a row of ``Faults.counts`` as a named tuple: ``column``, ``kind``, number of
         ``rows``, time of the ``first``, and ``value`` there.
 
@@ -83,7 +83,7 @@ def sentence(row: Any) -> str:
     return f"{row.column} {what} {many} {row.first}: not used"
 
 
-def empty_error(row: "Found") -> Any:
+def empty_error(row: "FaultRow") -> Any:
     """The error of a column in which nothing but one kind of fault was found."""
     return ValueError(
         f"{row.column} holds nothing but the fill value {row.value:g}, from "
@@ -112,7 +112,7 @@ class Screener:
     tested: tuple  # columns
     look: Look
     doubts: dict = field(default_factory=dict)  # columns in another unit, and why
-    found: dict = field(default_factory=dict)  # kind to column to spans of rows
+    fault_spans: dict = field(default_factory=dict)  # kind to column to spans of rows
     first: dict = field(default_factory=dict)  # time and value of the first of them
 
     @classmethod
@@ -178,11 +178,11 @@ class Screener:
     def take(
         self, kind: str, name: str, rows: np.ndarray, time: pd.Timestamp, value: float
     ) -> None:
-        before = self.found.setdefault(kind, {}).get(name)
+        before = self.fault_spans.setdefault(kind, {}).get(name)
         if before is None or rows[0, 0] < before[0, 0]:
             self.first[kind, name] = time, float(value)
         both = rows if before is None else united(before, rows)
-        self.found[kind][name] = both
+        self.fault_spans[kind][name] = both
         self.clean = self.clean.lacking({name: rows})
 
     def look_again(self) -> None:
@@ -252,7 +252,9 @@ class Screener:
                 "negative by day", "poa_global", *map(np.concatenate, zip(*parts))
             )
             self.look_again()
-        rows = size(self.found.get("negative by day", {}).get("poa_global", spans([])))
+        rows = size(
+            self.fault_spans.get("negative by day", {}).get("poa_global", spans([]))
+        )
         beyond = self.look.columns["poa_global"].rows_of("out of range")[2]
         return sum(below) - rows - int((beyond < 0).sum())
 
@@ -311,14 +313,14 @@ class Screener:
         """Refuse a record of which too much cannot be, or is negative by day."""
         for name in POSSIBLE:
             kinds = "out of range", "negative by day"
-            there = [kind for kind in kinds if name in self.found.get(kind, {})]
+            there = [kind for kind in kinds if name in self.fault_spans.get(kind, {})]
             if not there:
                 continue
-            found = {kind: self.found[kind][name] for kind in there}
+            by_kind = {kind: self.fault_spans[kind][name] for kind in there}
             total = self.look.columns[name].known
-            total += size(found.get("negative by day", spans([])))
-            share = sum(map(size, found.values())) / max(total, 1)
-            first = min(found, key=lambda kind, found=found: found[kind][0, 0])
+            total += size(by_kind.get("negative by day", spans([])))
+            share = sum(map(size, by_kind.values())) / max(total, 1)
+            first = min(by_kind, key=lambda kind, by_kind=by_kind: by_kind[kind][0, 0])
             time, value = self.first[first, name]
             refuse_share(name, share, value, time, self.limits)
 
@@ -328,16 +330,16 @@ class Screener:
         sample = self.sampled()
         rests = {n: rest_of(n, sample[n], self.limits) for n in clean.names}
         runs = self.look.standing(rests)
-        found, wind = frozen(clean, runs, rests, self.limits), columns["wind_speed"]
+        still, wind = frozen(clean, runs, rests, self.limits), columns["wind_speed"]
         if refuse and wind.never_moves:  # a number that stands for all wind
-            found.pop("wind_speed", None)
-        whole = [n for n in found if n in POSSIBLE and columns[n].never_moves]
+            still.pop("wind_speed", None)
+        whole = [n for n in still if n in POSSIBLE and columns[n].never_moves]
         if whole and refuse:
             first, last = map(clean.source.at, self.look.ends)
             values = {name: max(columns[name].low, 0.0) for name in whole}
             lines = [standing_line(n, v, first, last) for n, v in values.items()]
             raise frozen_error(whole[0], lines)
-        for name, rows in found.items():
+        for name, rows in still.items():
             one = runs[name]
             at = int(np.flatnonzero(one.first == rows[0, 0])[0])
             time = clean.source.at(one.begin[at])
@@ -352,21 +354,21 @@ class Screener:
         """The faults, in the order of kinds and columns."""
         for kind in KINDS:
             for name in self.clean.names:
-                if name in self.found.get(kind, {}):
-                    rows = size(self.found[kind][name])
-                    yield Found(name, kind, rows, *self.first[kind, name])
+                if name in self.fault_spans.get(kind, {}):
+                    rows = size(self.fault_spans[kind][name])
+                    yield FaultRow(name, kind, rows, *self.first[kind, name])
 
     def masks(self) -> dict:
         """Booleans of all rows, by kind and column."""
         rows = len(self.clean)
         return {
             kind: {
-                name: masked(self.found[kind][name], rows)
+                name: masked(self.fault_spans[kind][name], rows)
                 for name in self.clean.names
-                if name in self.found[kind]
+                if name in self.fault_spans[kind]
             }
             for kind in KINDS
-            if kind in self.found
+            if kind in self.fault_spans
         }
 
 
@@ -415,9 +417,9 @@ def stuck(record: Record, limits: Limits | None = None) -> dict[str, np.ndarray]
     columns = record.inputs.columns
     names = [*POSSIBLE, *(n for n in DRIVERS if n in columns and n not in POSSIBLE)]
     clean = CleanRecord(FrameRecord(record.inputs), tuple(names))
-    found = Screener.of(clean, limits or Limits())
-    found.standing(refuse=False)
-    still = found.masks().get("stuck", {})
+    screening = Screener.of(clean, limits or Limits())
+    screening.standing(refuse=False)
+    still = screening.masks().get("stuck", {})
     still = {name: rows for name, rows in still.items() if name not in record.absent}
     none = np.zeros(len(record.index), dtype=bool)
     return {name: still.get(name, none) & np.isfinite(record[name]) for name in names}

@@ -54,7 +54,7 @@ class Standing:
     unit: float = 1.0  # of the times [s]
     rows: int = 0  # values that are there
     changes: int = 0  # those of them that are not as the one before
-    found: list = field(default_factory=list)
+    long_runs: list = field(default_factory=list)
     open: tuple | None = None  # the last one, which may go on
 
     def add(self, values: Any, start: int, times: np.ndarray) -> "Standing":
@@ -97,16 +97,16 @@ class Standing:
             time > self.limits.response_time
         )
         if long.any():
-            self.found.append([x[long] for x in (value, first, last, begin, time)])
+            self.long_runs.append([x[long] for x in (value, first, last, begin, time)])
 
     def runs(self, rest: float) -> Runs:
         """All of them, after the last row, and which are odd for the column."""
         self.close()
         self.open = None
-        if not self.found:
+        if not self.long_runs:
             none, rows = np.zeros(0), np.zeros(0, dtype=int)
             return Runs(none, rows, rows, none, none, none > 0)
-        parts = [np.concatenate(part) for part in zip(*self.found)]
+        parts = [np.concatenate(part) for part in zip(*self.long_runs)]
         value, first, last, *_ = parts
         resting = at_rest(self.name, value, rest)
         rows = self.rows - (last - first + 1)[resting].sum()
@@ -300,7 +300,7 @@ def frozen(clean: CleanRecord, standing: dict, rests: dict, limits: Limits) -> d
         First row of each span, and the one after its last; of stuck columns alone.
     """
     seen = {n: standing[n].some(too_long(standing[n], limits)) for n in STILL}
-    found, untested = {}, [name for name in STILL if len(seen[name].first)]
+    spans, untested = {}, [name for name in STILL if len(seen[name].first)]
     while untested:
         extents = Extents.of(clean, {name: seen[name] for name in untested}, limits)
         for name in list(untested):
@@ -308,16 +308,16 @@ def frozen(clean: CleanRecord, standing: dict, rests: dict, limits: Limits) -> d
             kept = STILL[name](runs, extent, extents.steps, limits)
             untested.remove(name)
             if kept.any():
-                found[name] = runs.some(kept).spans
+                spans[name] = runs.some(kept).spans
                 # a stuck module shows nothing of its drivers
-                clean = clean.lacking({name: found[name]})
+                clean = clean.lacking({name: spans[name]})
                 break
     for name in [name for name in DRIVERS if name in standing]:
         runs = standing[name]
         kept = still_driver(name, runs, rests[name], limits)
         if kept.any():
-            found[name] = runs.some(kept).spans
-    return found
+            spans[name] = runs.some(kept).spans
+    return spans
 
 
 @dataclass(eq=False)
@@ -336,15 +336,15 @@ class Extents:
     def of(cls, clean: CleanRecord, standing: dict, limits: Limits) -> "Extents":
         """The extents over a record, from one pass."""
         steps = dict.fromkeys(("temp_air", "temp_module"), np.inf)
-        found = cls(standing, limits, steps)
+        extents = cls(standing, limits, steps)
         for name, runs in standing.items():
             for key in SEEN_BY[name]:
-                found.bounds[name, *key] = np.full((3, len(runs.first)), np.nan)
-        if found.bounds:
+                extents.bounds[name, *key] = np.full((3, len(runs.first)), np.nan)
+        if extents.bounds:
             for block in clean.blocks(tuple(POSSIBLE)):
-                found.add(block)
-        found.steps = {n: s if s < np.inf else 0.0 for n, s in found.steps.items()}
-        return found
+                extents.add(block)
+        extents.steps = {n: s if s < np.inf else 0.0 for n, s in extents.steps.items()}
+        return extents
 
     def add(self, block: Block) -> None:
         columns = dict(block.inputs.columns)

@@ -62,12 +62,12 @@ def doubtful(columns: Columns, limits: Limits | None = None) -> dict[str, str]:
 
     Examples
     --------
-    >>> found = doubtful({"relative_humidity": [0.4, 0.9]})
-    >>> found["relative_humidity"].partition(" (")[0]
+    >>> reasons = doubtful({"relative_humidity": [0.4, 0.9]})
+    >>> reasons["relative_humidity"].partition(" (")[0]
     'is 0.9 at most, a fraction; multiply it by 100 for %'
     """
     limits = limits or Limits()
-    found = {}
+    reasons = {}
     for name in columns:
         if name in POSSIBLE:
             continue
@@ -83,8 +83,8 @@ def doubtful(columns: Columns, limits: Limits | None = None) -> dict[str, str]:
                 values, np.asarray(columns["poa_global"], float), limits
             )
         if reason:
-            found[name] = reason
-    return found
+            reasons[name] = reason
+    return reasons
 
 
 def refuse_doubtful(columns: Columns, limits: Limits | None = None) -> None:
@@ -103,8 +103,8 @@ def refuse_doubtful(columns: Columns, limits: Limits | None = None) -> None:
     ValueError
         That names each such driver, with the remedy.
     """
-    if found := doubtful(columns, limits):
-        lines = [f"{name} {reason}" for name, reason in found.items()]
+    if reasons := doubtful(columns, limits):
+        lines = [f"{name} {reason}" for name, reason in reasons.items()]
         raise refusal("; ".join(lines), "; if the unit is right, give ", UNCHECKED)
 
 
@@ -381,15 +381,15 @@ def refuse_units(
         raise (odd or of_hours(off)).error()
 
 
-def suspected(inputs: Inputs, found: Signs | None, limits: Limits) -> tuple:
+def suspected(inputs: Inputs, evidence: Signs | None, limits: Limits) -> tuple:
     """What looks wrong by one clock, and how far the module's is off for that."""
-    if not (odd := found and suspicion(inputs, found, limits)):
+    if not (odd := evidence and suspicion(inputs, evidence, limits)):
         return None, None
     if (off := module_lag(inputs, limits)) is None:
         return odd, None
     retimed_inputs = in_step(inputs, off)
-    found = signs(retimed_inputs)
-    return found and suspicion(retimed_inputs, found, limits), off
+    evidence = signs(retimed_inputs)
+    return evidence and suspicion(retimed_inputs, evidence, limits), off
 
 
 def of_hours(off: Any) -> UnitDoubt:
@@ -422,8 +422,8 @@ def module_lag(inputs: Any, limits: Any) -> Lag | None:
         None where the clock is right, or cannot be checked.
     """
     columns = (inputs[name] for name in ("poa_global", "temp_air", "temp_module"))
-    found = lag(*[inputs.seconds, *columns, limits])
-    return found if found and found.late else None
+    lateness = lag(*[inputs.seconds, *columns, limits])
+    return lateness if lateness and lateness.late else None
 
 
 def in_step(inputs: Inputs, off: Lag) -> Inputs:
@@ -455,9 +455,14 @@ def same(one: np.ndarray, other: np.ndarray) -> bool:
     return bool(both.any())
 
 
-def suspicion(inputs: Inputs, found: Signs, limits: Limits) -> UnitDoubt | None:
+def suspicion(inputs: Inputs, evidence: Signs, limits: Limits) -> UnitDoubt | None:
     """What the signs of a record say of a copy, swapped columns or another unit."""
-    bright, slope, night, hot = found.bright, found.slope, found.night, found.hot
+    bright, slope, night, hot = (
+        evidence.bright,
+        evidence.slope,
+        evidence.night,
+        evidence.hot,
+    )
     air, module = inputs["temp_air"], inputs["temp_module"]
     if same(air, module):
         return UnitDoubt(
@@ -465,10 +470,10 @@ def suspicion(inputs: Inputs, found: Signs, limits: Limits) -> UnitDoubt | None:
             "Name the column of the module's own sensor",
             "that is",
         )
-    if slope < -GAIN[0] and found.sunny < 0:
+    if slope < -GAIN[0] and evidence.sunny < 0:
         why = (
-            f"in the sun temp_module is {-found.sunny:.0f} K below temp_air, and falls "
-            "as irradiance grows"
+            f"in the sun temp_module is {-evidence.sunny:.0f} K below temp_air, and "
+            "falls as irradiance grows"
         )
         return UnitDoubt(
             f"temp_air and temp_module look swapped: {why}",
@@ -485,7 +490,7 @@ def suspicion(inputs: Inputs, found: Signs, limits: Limits) -> UnitDoubt | None:
     if abs(night) > APART:
         return of_difference(inputs, night)
     if hot > 57.0 or slope > FAHRENHEIT:
-        unit = "K" if found.usual > 200.0 else "°F"
+        unit = "K" if evidence.usual > 200.0 else "°F"
         why = (
             f"the air reaches {hot:.0f} and the module gains {1000 * slope:.0f} per "
             "1000 W/m²"
@@ -498,11 +503,11 @@ def suspicion(inputs: Inputs, found: Signs, limits: Limits) -> UnitDoubt | None:
             )
         return foreign(unit, why, "temp_air", "temp_module")
     # in m/s, a site that windy has an effect of 5 % per m/s and more
-    weak = 0.004 < found.effect < 0.005 * (found.strong - 6.0)
-    if found.strong > 18.0 or (found.strong > 12.0 and weak):
+    weak = 0.004 < evidence.effect < 0.005 * (evidence.strong - 6.0)
+    if evidence.strong > 18.0 or (evidence.strong > 12.0 and weak):
         why = (
-            f"5 % of it is above {found.strong:.0f}, and one unit of it changes the "
-            f"over-temperature by {100 * found.effect:.1f} %"
+            f"5 % of it is above {evidence.strong:.0f}, and one unit of it changes the "
+            f"over-temperature by {100 * evidence.effect:.1f} %"
         )
         return foreign("km/h", why, "wind_speed")
     return None
@@ -569,14 +574,14 @@ READINGS = [
 ]
 
 
-def believable(found: Any) -> bool:
+def believable(evidence: Any) -> bool:
     """Whether the signs of a record are those of air and a module in °C."""
     low, most = RANGES["temp_air"].low, RANGES["temp_air"].most
     least, steepest = GAIN
     return (
-        abs(found.night) <= APART
-        and least <= found.slope <= steepest
-        and low <= found.cold <= found.hot <= most
+        abs(evidence.night) <= APART
+        and least <= evidence.slope <= steepest
+        and low <= evidence.cold <= evidence.hot <= most
     )
 
 
@@ -588,7 +593,7 @@ def of_difference(inputs: Inputs, night: Any) -> UnitDoubt:
     that would make a record of it that can be.
     """
     names = "temp_air", "temp_module"
-    found = [
+    readings = [
         one
         for one in READINGS
         if believable(
@@ -597,18 +602,18 @@ def of_difference(inputs: Inputs, night: Any) -> UnitDoubt:
     ]
     high, low = ("module", "air") if night > 0 else ("air", "module")
     why = f"at night it is {abs(night):.0f} above {low}"
-    if [(one.name, one.twice) for one in found] == [(f"temp_{high}", False)]:
-        return foreign(found[0].unit, why, found[0].name)
+    if [(one.name, one.twice) for one in readings] == [(f"temp_{high}", False)]:
+        return foreign(readings[0].unit, why, readings[0].name)
     ends = {name: np.nanpercentile(inputs[name], [1, 99]) for name in names}
     seen = [f"{n} is {low:.0f} to {high:.0f}" for n, (low, high) in ends.items()]
-    may = " or ".join(map(str, found)) or "no unit of one of them explains that"
+    may = " or ".join(map(str, readings)) or "no unit of one of them explains that"
     return UnitDoubt(
         f"temp_air and temp_module do not go together: at night temp_{high} is "
         f"{abs(night):.0f} above temp_{low}, and in 98 % of the rows "
         f"{' and '.join(seen)}; {may}",
         ShellText(
-            " or ".join(one.undone for one in found) or "Look at both columns",
-            " or ".join(one.undone.shell for one in found) or "Look at both columns",
+            " or ".join(one.undone for one in readings) or "Look at both columns",
+            " or ".join(one.undone.shell for one in readings) or "Look at both columns",
         ),
         "both are",
     )
@@ -635,16 +640,16 @@ def oddities(
         A sentence each.
     """
     yield from between(inputs)
-    limits, found = limits or Limits(), signs(inputs)
-    if found is None:
+    limits, evidence = limits or Limits(), signs(inputs)
+    if evidence is None:
         return
-    odd, off = suspected(inputs, found, limits)
+    odd, off = suspected(inputs, evidence, limits)
     if odd := odd or (off and of_hours(off)):
         yield odd.what
         return
-    if found.hot > RANGES["temp_air"].most:
+    if evidence.hot > RANGES["temp_air"].most:
         yield (
-            f"temp_air is above {found.hot:.0f} °C in 1 % of the rows, which few "
+            f"temp_air is above {evidence.hot:.0f} °C in 1 % of the rows, which few "
             "places reach: is it in °F, or in the sun?"
         )
     if "wind_speed" in absent:
@@ -652,24 +657,24 @@ def oddities(
             "there is no wind_speed: coefficients hold for the winds of the record, "
             "and what the wind changes is in the error"
         )
-    elif found.wind == found.strong:
+    elif evidence.wind == evidence.strong:
         yield (
-            f"wind_speed is {found.wind:g} m/s in all rows, so that nothing can be "
+            f"wind_speed is {evidence.wind:g} m/s in all rows, so that nothing can be "
             "said of the wind's coefficient"
         )
     elif (
-        found.wind > RANGES["wind_speed"].most
+        evidence.wind > RANGES["wind_speed"].most
         and inputs.seconds[-1] > limits.min_record
     ):
         yield (
-            f"wind_speed is {found.wind:.1f} m/s in the mean, more than near the "
+            f"wind_speed is {evidence.wind:.1f} m/s in the mean, more than near the "
             "ground of most sites: is it in mph or km/h, or from a mast?"
         )
     least, most = GAIN
-    if not least < found.slope < most:
+    if not least < evidence.slope < most:
         yield (
-            f"the module gains {1000 * found.slope:.0f} K per 1000 W/m², and mountings "
-            f"gain {1000 * least:.0f} to {1000 * most:.0f} K: "
+            f"the module gains {1000 * evidence.slope:.0f} K per 1000 W/m², and "
+            f"mountings gain {1000 * least:.0f} to {1000 * most:.0f} K: "
             "look at the units of both, at where the sensors are, and at shade"
         )
 

@@ -115,7 +115,7 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_each_kind_is_found_across_blocks(record, tmp_path, name):
     found = both(spoiled(record, CASES[name]), tmp_path)
-    assert name.split(",")[0] in {one.kind for one in found.found}
+    assert name.split(",")[0] in {one.kind for one in found.fault_rows}
 
 
 @pytest.mark.parametrize("column", ["poa_global", "temp_air", "temp_module"])
@@ -124,7 +124,9 @@ def test_the_end_of_a_range_is_found_across_blocks(tmp_path, column):
     data = data.assign(relative_humidity=60 + 9 * np.sin(np.arange(len(data))), fan=40)
     data[column] = data[column].clip(upper=data[column].quantile(0.93))
     found = both(spoiled(data, [(-999.0, 4, 100, 9), ("still", 2, 700, 60)]), tmp_path)
-    assert (column, "end of range") in {(one.column, one.kind) for one in found.found}
+    assert (column, "end of range") in {
+        (one.column, one.kind) for one in found.fault_rows
+    }
 
 
 @pytest.mark.parametrize(
@@ -140,7 +142,7 @@ def test_an_anemometer_that_reads_nothing_by_day_alone(tmp_path, first, last, go
     data.loc[f"{year}-{first}" : f"{year}-{last}", "wind_speed"] = 0.0
     data["wind_speed"] = data["wind_speed"].where(day)
     found = both(data[day] if gone else data, tmp_path)
-    kinds = {one.kind for one in found.found if one.column == "wind_speed"}
+    kinds = {one.kind for one in found.fault_rows if one.column == "wind_speed"}
     assert ("stuck" in kinds) == (gone or last == "06-15")
 
 
