@@ -113,8 +113,8 @@ def alike(word: str, known: Iterable[object], most: int = 3) -> list[str]:
     near = difflib.get_close_matches(folded, names.values(), most)
     inside = [one for one in names.values() if len(folded) > 2 and folded in one]
     order = list(dict.fromkeys([*near, *inside]))
-    found = [name for name, one in names.items() if one in order]
-    return sorted(found, key=lambda name: order.index(names[name]))[:most]
+    matches = [name for name, one in names.items() if one in order]
+    return sorted(matches, key=lambda name: order.index(names[name]))[:most]
 
 
 def did_you_mean(words: str | Iterable[str], known: Iterable[object]) -> str:

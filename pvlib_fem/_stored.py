@@ -254,5 +254,5 @@ class Stored:
 
     def parts(self, key: str) -> list:
         """The parts of a list of objects."""
-        found = enumerate(self.read(key, list[dict]))
-        return [Stored(one, self.file, f"{self.place}{key}.{i}.") for i, one in found]
+        items = enumerate(self.read(key, list[dict]))
+        return [Stored(one, self.file, f"{self.place}{key}.{i}.") for i, one in items]

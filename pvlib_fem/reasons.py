@@ -146,9 +146,9 @@ class Because:
                 if key not in ("reason", "words")
             }
             reasons.append(because(Reason[one["reason"]], **values))
-        found = together(reasons)
-        str(found)  # a value that its sentence cannot have is refused here
-        return found
+        reason = together(reasons)
+        str(reason)  # a value that its sentence cannot have is refused here
+        return reason
 
     def __hash__(self) -> int:
         return hash(str(self))

@@ -77,18 +77,18 @@ def compare_modules(
     >>> over = data["temp_module"] - data["temp_air"]
     >>> for i, share in enumerate((1.0, 1.02, 0.9)):
     ...     data[f"temp_module_{i}"] = data["temp_air"] + share * over + 0.1 * i
-    >>> found = fem.compare_modules(data.drop(columns="temp_module"))
-    >>> found.table["share"].round(2).to_list()
+    >>> comparison = fem.compare_modules(data.drop(columns="temp_module"))
+    >>> comparison.table["share"].round(2).to_list()
     [1.04, 1.07, 0.89]
-    >>> loop = fem.close_loop(found.common)
+    >>> loop = fem.close_loop(comparison.common)
     """
     criteria = criteria or Criteria()
-    found = with_aliases(data, needed=USUAL[:2])
-    thermal_model(model, dynamics).refuse_without_wind(found)
-    names = list(columns or (n for n in found if is_sensor(n)))
-    if missing := [name for name in names if name not in found]:
+    series = with_aliases(data, needed=USUAL[:2])
+    thermal_model(model, dynamics).refuse_without_wind(series)
+    names = list(columns or (n for n in series if is_sensor(n)))
+    if missing := [name for name in names if name not in series]:
         raise ValueError(
-            f"data lack {', '.join(missing)}; they have {', '.join(found)}"
+            f"data lack {', '.join(missing)}; they have {', '.join(series)}"
         )
     if len(names) < FEWEST:
         there = f" ({', '.join(names)})" if names else ""
@@ -97,14 +97,14 @@ def compare_modules(
             "needed; name others with ",
             NAMED,
         )
-    usual = (found["poa_global"], found["temp_air"], found.get("wind_speed"))
-    sensors, notes = clean(usual, {n: found[n] for n in names}, criteria)
+    usual = (series["poa_global"], series["temp_air"], series.get("wind_speed"))
+    sensors, notes = clean(usual, {n: series[n] for n in names}, criteria)
     off = {name for name, why in notes.items() if name not in sensors or why[0]}
     good = [name for name in names if name not in off]
     if len(good) < FEWEST:
         why = "; ".join(f"{n}: {notes[n][1]}" for n in names if n in off)
         raise ValueError(f"fewer than {FEWEST} module sensors can be used: {why}")
-    record = as_record(*usual, found[good[0]])
+    record = as_record(*usual, series[good[0]])
     steps, level = steps_of(record, sensors, good, criteria)
     fits = {}
     for name in good:
@@ -135,15 +135,15 @@ def shared(record: Record, fits: dict) -> dict:
     """RMS residual of each fit in sun, its part common with the others, and its own."""
     residuals = {name: fit.residual.to_numpy() for name, fit in fits.items()}
     rows = np.isfinite(sum(residuals.values())) & (record["poa_global"] > SUNNY)
-    found = {}
+    parts = {}
     pair = len(residuals) == 2
     for name, own in residuals.items():
         # the common part of two sensors is their mean
         others = [residuals[n][rows] for n in residuals if pair or n != name]
         others = np.median(others, axis=0)
-        found[name] = {
+        parts[name] = {
             "left": rmse(own[rows], 0.0),
             "common": rmse(others, 0.0),
             "own": rmse(own[rows], others),
         }
-    return found
+    return parts

@@ -50,13 +50,13 @@ def clean(usual: Any, sensors: dict, criteria: Criteria) -> tuple[dict, dict]:
 
     Returns
     -------
-    found : dict of array, shape (rows,)
+    cleaned : dict of array, shape (rows,)
         NaN where a value is not plausible; without sensors whose record is refused.
         [°C]
     notes : dict of (bool, str)
         For each sensor whether it is excluded, and why or which values are.
     """
-    found, notes = {}, {}
+    cleaned, notes = {}, {}
     for name, column in sensors.items():
         try:
             record = as_record(*[*usual, column])
@@ -64,21 +64,21 @@ def clean(usual: Any, sensors: dict, criteria: Criteria) -> tuple[dict, dict]:
         except ValueError as error:
             notes[name] = True, str(error).replace("temp_module", name)
             continue
-        found[name] = record["temp_module"]
+        cleaned[name] = record["temp_module"]
         lines = [line for line in faults.notes if "temp_module" in line]
         notes[name] = False, "; ".join(lines).replace("temp_module", name)
-    most = max((np.isfinite(one).sum() for one in found.values()), default=0)
+    most = max((np.isfinite(one).sum() for one in cleaned.values()), default=0)
     first = []
-    for name, values in found.items():
+    for name, values in cleaned.items():
         there = int(np.isfinite(values).sum())
-        copies = [other for other in first if same(values, found[other])]
+        copies = [other for other in first if same(values, cleaned[other])]
         if there < PRESENT * most:
             notes[name] = True, f"{there:,} values of {most:,} are there"
         elif copies:
             notes[name] = True, f"{name} is a copy of {copies[0]}"
         else:
             first.append(name)
-    return found, notes
+    return cleaned, notes
 
 
 def compared(record: Record, name: str, sensors: dict, good: list) -> tuple:
@@ -148,15 +148,17 @@ def steps_of(
     """
     level, steps = dict(sensors), {}
     while True:
-        found = {}
+        new_steps = {}
         for name in (n for n in level if n not in steps):
             over, others, (share, _) = compared(record, name, level, good)
-            found[name] = step_of(over, others, share, record.dates, criteria)
-        found = {name: step for name, step in found.items() if step}
-        if not found or (len(good) == 2 and {*good} & {*steps}):
+            new_steps[name] = step_of(over, others, share, record.dates, criteria)
+        new_steps = {name: step for name, step in new_steps.items() if step}
+        if not new_steps or (len(good) == 2 and {*good} & {*steps}):
             return of_either(steps, good), level
-        first = max(found, key=lambda name: (name in good, abs(found[name]["change"])))
-        step = steps[first] = found[first]
+        first = max(
+            new_steps, key=lambda name: (name in good, abs(new_steps[name]["change"]))
+        )
+        step = steps[first] = new_steps[first]
         later = record.dates >= number(step["step"])
         air = record["temp_air"]
         before = air + (level[first] - air) / (1.0 + step["change"])

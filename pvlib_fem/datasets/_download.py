@@ -53,14 +53,14 @@ def fetch(file: str) -> Path:
     if path := in_folder(file, sha256):
         return path
     try:
-        found = pooch.retrieve(url, f"sha256:{sha256}", fname=file, path=cache())
+        downloaded = pooch.retrieve(url, f"sha256:{sha256}", fname=file, path=cache())
     except OSError as error:  # no network, or no folder to keep it
         raise OSError(
             f"{file} is not at hand and cannot be downloaded from {url} "
             f"({type(error).__name__}); go online once, or download it elsewhere, put "
             f"it into a folder and name that in the environment variable {FOLDER}"
         ) from None
-    return Path(found)
+    return Path(downloaded)
 
 
 def in_folder(file: str, sha256: str) -> Path | None:

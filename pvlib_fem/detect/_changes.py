@@ -167,14 +167,16 @@ def compared(one: DailyDeviation, law: Law) -> LevelChanges:
     rows = np.arange(len(values))
     while True:
         steps = [(rows >= i).astype(float) for i in new]
-        found = [
+        estimates = [
             one.along(step, values, [years, *steps[:k], *steps[k + 1 :]])[:2]
             for k, step in enumerate(steps)
         ]
-        there = [abs(size) > SURE * error for size, error in found]
+        there = [abs(size) > SURE * error for size, error in estimates]
         if all(there):
             drift, error, _ = one.along(years, values, steps)
-            sizes = [size for size, _ in found]
+            sizes = [size for size, _ in estimates]
             return result(one.days, new, sizes, one.column, drift, error)
-        weak = min(range(len(new)), key=lambda k: abs(found[k][0]) / found[k][1])
+        weak = min(
+            range(len(new)), key=lambda k: abs(estimates[k][0]) / estimates[k][1]
+        )
         new = np.delete(new, weak)

@@ -73,9 +73,9 @@ def regular(
     if (np.diff(place) == 1).all():
         return seconds, values
     times = np.arange(place[-1] + 1) * step
-    found = np.full(len(times), np.nan)
-    times[place], found[place] = seconds, values
-    return times, found
+    filled = np.full(len(times), np.nan)
+    times[place], filled[place] = seconds, values
+    return times, filled
 
 
 def with_dark_nights(

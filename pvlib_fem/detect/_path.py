@@ -117,12 +117,12 @@ def fitted(
     """
     residual = values - start
     prior = np.diag(law.memory * noise / spread**2)
-    found = np.zeros(table.shape[1])
+    coefficients = np.zeros(table.shape[1])
     for _ in range(TURNS):
         weighted = table / np.maximum(np.abs(residual), law.fine)[:, None]
-        found = np.linalg.solve(weighted.T @ table + prior, weighted.T @ values)
-        residual = values - table @ found
-    return table @ found, 0.5 * float(((found / spread) ** 2).sum())
+        coefficients = np.linalg.solve(weighted.T @ table + prior, weighted.T @ values)
+        residual = values - table @ coefficients
+    return table @ coefficients, 0.5 * float(((coefficients / spread) ** 2).sum())
 
 
 def decoded(

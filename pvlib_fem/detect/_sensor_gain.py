@@ -62,13 +62,13 @@ def compared_with(
 ) -> DailyDeviation:
     """A sensor compared with the reference of a name; refuse missing columns."""
     comparison = next(one for one in COMPARISONS if one.serves(name))
-    found = references.compared(comparison, Columns(index, columns), name, values)
-    if found is None:
+    deviation = references.compared(comparison, Columns(index, columns), name, values)
+    if deviation is None:
         raise ValueError(
             f"fewer than {comparison.fewest} days can be compared with "
             f"{ARGUMENTS.get(name, name)}; give a longer record"
         )
-    return found
+    return deviation
 
 
 def irradiance_changes(
@@ -129,8 +129,8 @@ def irradiance_changes(
     >>> data = simulator.record(days=400, step=3600)
     >>> power = 6 * data["poa_global"]
     >>> sensor = data["poa_global"].where(data.index < "2023-08-01", 1.1 * power / 6)
-    >>> found = detect.irradiance_changes(sensor, power=power)
-    >>> [(f"{day:%Y-%m-%d}", round(by, 2)) for day, by in found.steps]
+    >>> changes = detect.irradiance_changes(sensor, power=power)
+    >>> [(f"{day:%Y-%m-%d}", round(by, 2)) for day, by in changes.steps]
     [('2023-08-01', 0.1)]
     """
     place = checked_place(location, surface_tilt, surface_azimuth, mount)
@@ -140,19 +140,19 @@ def irradiance_changes(
     index, (poa, fed, module) = checked(("power", "temp_module"), **given)
     if module is None:
         module = np.full(len(index), STANDARD)
-    found = []
+    deviations = []
     if fed is not None:
-        found.append(
+        deviations.append(
             compared_with(POWER, fed, index, poa_global=poa, temp_module=module)
         )
     if location is not None:
         sky = clear_sky(poa, index, location, angles_at(index, place))
-        found.append(compared_with(SKY, sky, index, poa_global=poa))
-    changes = [aged(compared(one, LIGHT)) for one in found]
+        deviations.append(compared_with(SKY, sky, index, poa_global=poa))
+    changes = [aged(compared(one, LIGHT)) for one in deviations]
     if len(changes) == 1:
         return changes[0]
     by_power, by_sky = changes
-    return agreed(by_power, by_sky, found[1])
+    return agreed(by_power, by_sky, deviations[1])
 
 
 def aged(changes: LevelChanges) -> LevelChanges:
@@ -222,8 +222,8 @@ def slow_anemometer(
     >>> from pvlib_fem import detect, simulator
     >>> wind = simulator.record(days=400, step=3600)["wind_speed"]
     >>> slow = wind.where(wind.index < "2023-08-01", 0.7 * wind)
-    >>> found = detect.slow_anemometer(slow, reference=wind)
-    >>> [(f"{day:%Y-%m-%d}", round(by, 2)) for day, by in found.steps]
+    >>> changes = detect.slow_anemometer(slow, reference=wind)
+    >>> [(f"{day:%Y-%m-%d}", round(by, 2)) for day, by in changes.steps]
     [('2023-08-01', -0.3)]
     """
     given = {"wind_speed": wind_speed, "reference": reference}
