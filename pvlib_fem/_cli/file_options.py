@@ -139,6 +139,13 @@ layout_options = added(
         metavar="TEXT",
         help="Text that stands for a missing value, such as ---; once for each.",
     ),
+    layout(
+        "--keep",
+        multiple=True,
+        metavar="COLUMN=TEXT",
+        help="Leave out rows without this text in a column, such as Quality=Good; once "
+        "for each text.",
+    ),
     times("--sort", is_flag=True, help="Put the rows in the order of their times."),
     times(
         "--drop-doubled",

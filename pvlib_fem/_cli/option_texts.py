@@ -34,7 +34,7 @@ PER_FILE = {
 }
 
 #: fields of a layout that are the same for all files
-SAME = ("missing", "sort", "drop_doubled", "drop_untimed")
+SAME = ("missing", "keep", "sort", "drop_doubled", "drop_untimed")
 
 
 def bad(text: str, option: str, why: str) -> click.BadParameter:

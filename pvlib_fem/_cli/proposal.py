@@ -259,6 +259,8 @@ def command(
             words += [f"--{name.replace('_', '-')}", as_option(name, value)]
     for text in dict.fromkeys(t for one in guessed.layouts for t in one.missing):
         words += ["--missing", text]
+    for text in dict.fromkeys(t for one in guessed.layouts for t in one.keep):
+        words += ["--keep", text]
     words += ["--sort"] * any(one.sort for one in guessed.layouts)
     words += ["--drop-doubled"] * any(one.drop_doubled for one in guessed.layouts)
     words += ["--drop-untimed"] * any(one.drop_untimed for one in guessed.layouts)

@@ -1,6 +1,7 @@
 """How files may be read: proposed by names and data, never acted upon."""
 
 import re
+import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -30,6 +31,7 @@ from pvlib_fem._record.header_units import (
     unit_of,
     usual_name_of,
 )
+from pvlib_fem._record.kept_rows import good_texts, kept, pairs_of
 from pvlib_fem._record.layout import Layout, found_layout
 from pvlib_fem._record.logger_files import frame, table, texts
 from pvlib_fem._record.long_tables import tag_and_value
@@ -158,12 +160,17 @@ def with_tags(
         f"{file.name} has a row for each reading: each {pair[0]!r} is taken for a "
         f"column, with its {pair[1]!r}"
     )
-    for column in raw.columns.difference([*times, *pair]):
+    others = raw.columns.difference([*times, *pair])
+    if not layout.keep and (good := good_texts(raw, others)):
+        layout = replace(layout, keep=tuple(good))
+        kept(raw, layout.keep, doubts)
+    for column in others.difference([*pairs_of(layout.keep)]):
         words = raw[column].value_counts()
         if not pd.api.types.is_numeric_dtype(raw[column]) and len(words) > 1:
             doubts.append(
                 f"readings of any {str(column)!r} are taken, {words.index[0]!r} and "
-                f"{words.index[1]!r} among them: take out those that are not to count"
+                f"{words.index[1]!r} among them: --keep "
+                f"{shlex.quote(f'{column}={words.index[0]}')} leaves out all but these"
             )
     return layout, table(file, layout)
 

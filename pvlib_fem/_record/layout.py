@@ -47,6 +47,7 @@ class Layout:
     skip_end: int = 0
     sheet: str | int = 0
     missing: tuple[str, ...] = ()
+    keep: tuple[str, ...] = ()
     sort: bool = False
     drop_doubled: bool = False
     drop_untimed: bool = False

@@ -21,6 +21,7 @@ from pvlib_fem._record.header_units import (
     usual_name_of,
 )
 from pvlib_fem._record.joining import joined, stacked
+from pvlib_fem._record.kept_rows import kept, refuse_unknown, ungraded
 from pvlib_fem._record.labels import flat, flat_header
 from pvlib_fem._record.layout import COMMENT, EXCEL, PARQUET, SPACES, TIME, Layout
 from pvlib_fem._record.long_tables import wide
@@ -74,9 +75,11 @@ def read_file(
         from 0; ``header_rows``: how many lines the header has, whose labels are joined,
         as ``met_RH``; ``skip_end``: how many lines stand after the last row, such as
         totals. ``sheet`` of a workbook. ``missing``: texts that stand for a missing
-        value. ``sort``: put the rows in the order of their times. ``drop_doubled``: of
-        rows with the same time keep the first. ``drop_untimed``: leave out rows that
-        hold no time, such as a header in the middle of a file.
+        value. ``keep``: texts such as ``"Quality=Good"``, of which a row has to have
+        one in that column; others are left out and counted. ``sort``: put the rows in
+        the order of their times. ``drop_doubled``: of rows with the same time keep the
+        first. ``drop_untimed``: leave out rows that hold no time, such as a header in
+        the middle of a file.
 
     Returns
     -------
@@ -92,7 +95,7 @@ def read_file(
     """
     given = [file] if isinstance(file, str | PathLike) else file
     files = [Path(one) for one in given]
-    for name in ("time", "missing"):
+    for name in ("time", "missing", "keep"):
         if isinstance(layout.get(name), str):
             layout[name] = (layout[name],)
         elif name in layout:
@@ -144,19 +147,24 @@ def frame(
     ValueError
         If a file, its times, a column or a unit are not as stated.
     """
-    tables, names, notes = [], [], []
+    tables, names, notes, headers = [], [], [], []
     for file, layout in zip(files, layouts):
         pieces = file if isinstance(file, list) else [file]
         read = []
         for one in pieces:
-            data, lost = timed(table(one, layout), layout, one.name)
+            data = plain_table(one, layout)
+            headers.append(data.columns)
+            data = kept(data, layout.keep, marked := [*ungraded(data, layout)])
+            data, lost = timed(by_tag(data, layout), layout, one.name)
             read.append(data)
-            notes += [f"{one.name}: {note}" for note in lost]
+            notes += [f"{one.name}: {note}" for note in marked + lost]
         data, name = stacked(read, [one.name for one in pieces], layout.sort)
         data, done = in_order(data, layout.sort, layout.drop_doubled)
         tables.append(data)
         names.append(name)
         notes += [f"{name}: {note}" for note in done]
+    for layout in layouts:
+        refuse_unknown(layout.keep, headers)
     data, done = joined(tables, names, columns)
     absent = [column for column in columns.values() if column not in data]
     if absent:
@@ -198,7 +206,11 @@ def table(file: Path, layout: Layout) -> pd.DataFrame:
     ValueError
         If the file cannot be read so, or its tags make no columns.
     """
-    data = plain_table(file, layout)
+    return by_tag(kept(plain_table(file, layout), layout.keep, []), layout)
+
+
+def by_tag(data: pd.DataFrame, layout: Layout) -> pd.DataFrame:
+    """A table as it is, or with a column for each tag."""
     if not layout.tag:
         return data
     return wide(data, layout.tag, layout.value or "value", layout.time)

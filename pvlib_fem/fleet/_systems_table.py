@@ -311,7 +311,7 @@ def truth(value: Any, name: str) -> bool:
 
 def laid(name: str, value: Any) -> str | bool | int | tuple:
     """A field of the layout, from its cell."""
-    if name in ("time", "missing"):
+    if name in ("time", "missing", "keep"):
         return tuple(parts(value))
     if name in ("sort", "drop_doubled", "drop_untimed"):
         return truth(value, name)

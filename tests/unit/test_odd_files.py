@@ -165,9 +165,11 @@ def test_rows_of_readings_keep_the_order_of_the_file(plant, tmp_path):
 def test_readings_that_are_not_good_and_times_of_their_own_are_told(plant, tmp_path):
     historian(plant, path := tmp_path / "plant.csv")
     rows = pd.read_csv(path)
-    mixed = rows.assign(Quality=np.where(rows.index % 90, "Good", "Bad"))
+    mixed = rows.assign(Kind=np.where(rows.index % 90, "spot", "mean"))
     mixed.to_csv(path, index=False)
-    assert "any 'Quality' are taken, 'Good' and 'Bad'" in call("fit", path).output
+    shown = call("fit", path).output
+    assert "any 'Kind' are taken, 'spot' and 'mean'" in shown
+    assert "--keep Kind=spot leaves out all but these" in shown
     tags = rows["Tag"].astype("category").cat.codes
     own = pd.to_datetime(rows["Timestamp"]) + pd.to_timedelta(tags, unit="s")
     rows.assign(Timestamp=own).to_csv(path, index=False)
@@ -178,6 +180,46 @@ def test_readings_that_are_not_good_and_times_of_their_own_are_told(plant, tmp_p
         fem.read_file(path, tag="Tag", value="Value")
     with pytest.raises(ValueError, match="no column 'Point' to make columns of"):
         fem.read_file(path, tag="Point", value="Value")
+
+
+@pytest.mark.parametrize(("good", "bad"), [("Good", "Bad"), (192, 0)])
+def test_readings_of_bad_quality_are_left_out(good, bad, plant, tmp_path):
+    """By the proposed command and from Python, as if they were not in the file."""
+    historian(plant, path := tmp_path / "plant.csv")
+    rows = pd.read_csv(path)
+    fails = rows.index % 90 == 0
+    rows["Quality"] = np.where(fails, bad, good)
+    rows["Value"] = rows["Value"].mask(fails, 0.0)
+    rows.to_csv(path, index=False)
+    words = proposed(call("modules", path, "--guess"))
+    assert words[words.index("--keep") + 1] == f"Quality={good}"
+    how = dict(tag="Tag", value="Value")
+    read = fem.read_file(path, **how, keep=f"Quality={good}")
+    note = f"rows whose 'Quality' is not '{good}', left out: {fails.sum():,}"
+    assert read.attrs["notes"] == [f"plant.csv: {note}"]
+    without = rows[~fails].drop(columns="Quality")
+    without.to_csv(other := tmp_path / "other.csv", index=False)
+    pd.testing.assert_frame_equal(read, fem.read_file(other, **how))
+    (note,) = fem.read_file(path, **how).attrs["notes"]
+    assert f"--keep Quality={good} leaves them out" in note
+
+
+@pytest.mark.parametrize(
+    ("keep", "words"),
+    [
+        ("State=run", r"no row has 'run' \(did you mean 'RUN'\?\); there are 'RUN'"),
+        ("state=RUN", r"no column 'state' \(did you mean 'State'\?\); there are time"),
+        ("RUN", "has to be COLUMN=TEXT"),
+    ],
+)
+def test_rows_to_keep_that_are_not_there_are_refused(keep, words, plant, tmp_path):
+    data = plant.assign(State=np.where(plant["poa_global"] > 5.0, "RUN", "STOP"))
+    data.to_csv(path := tmp_path / "plant.csv", index_label="time")
+    lit = fem.read_file(path, keep=["State=RUN"])
+    assert len(lit) == (plant["poa_global"] > 5.0).sum()
+    assert len(fem.read_file(path, keep=["State=RUN", "State=STOP"])) == len(plant)
+    with pytest.raises(ValueError, match=words):
+        fem.read_file(path, keep=keep)
 
 
 def test_columns_with_times_of_their_own_are_noted(plant, tmp_path):
