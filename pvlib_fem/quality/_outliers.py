@@ -146,7 +146,13 @@ def is_light(usual: pd.DataFrame, day: Any, slot: Any, limits: Limits) -> Any:
     numpy.ndarray of bool, shape (n,)
         True for light.
     """
-    around = usual.rolling(2 * limits.daylight_window + 1, 1, center=True).max()
+    # days beyond a gap of months are of another season
+    days = np.arange(usual.index.min(), usual.index.max() + 1)
+    around = (
+        usual.reindex(days)
+        .rolling(2 * limits.daylight_window + 1, 1, center=True)
+        .max()
+    )
     places = around.index.get_indexer(day), around.columns.get_indexer(slot)
     return around.to_numpy()[places] > limits.min_sunny_irradiance
 

@@ -214,6 +214,17 @@ def test_irradiance_below_zero_is_an_offset_by_night_and_a_fault_by_day(record):
     assert ("poa_global", "out of range", 1) in kinds(fem.screen_record(data))
 
 
+def test_a_winter_morning_before_a_gap_is_no_day_by_the_summer_after_it():
+    """Times of day are compared with those of the days around, by date."""
+    data = simulator.record(days=200, step=600, start="2023-01-10", seed=27)
+    data = data[list(COLUMNS)]
+    parts = data[:"2023-01-31"], data["2023-06-01":]
+    assert (parts[0]["poa_global"] < 0.0).any()
+    whole = fem.screen_record(pd.concat(parts))
+    assert whole.counts.empty
+    assert whole.clipped == sum(fem.screen_record(part).clipped for part in parts)
+
+
 def test_a_sensor_with_its_sign_turned_is_refused(record):
     with pytest.raises(ValueError, match="of poa_global is physically impossible"):
         fit(record.assign(poa_global=-record["poa_global"]))
