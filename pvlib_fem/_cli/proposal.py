@@ -14,7 +14,7 @@ from click.core import ParameterSource
 
 from pvlib_fem._cli.option_texts import PER_FILE, PLACE, SAME, TRACKER
 from pvlib_fem._fitting.stand_ins import SERVED
-from pvlib_fem._record.column_names import COLUMNS, of_several, twin_of
+from pvlib_fem._record.column_names import COLUMNS, ROTATION, of_several, twin_of
 from pvlib_fem._record.guess import Guess, guess
 from pvlib_fem._record.header_units import QUANTITIES, ForeignUnit, named_unit
 from pvlib_fem._record.inputs import as_record
@@ -23,6 +23,7 @@ from pvlib_fem._record.logger_files import frame
 from pvlib_fem._sensors.compare_sensors import FEWEST
 from pvlib_fem._sensors.sensor_errors import is_sensor
 from pvlib_fem._spelling import refusal
+from pvlib_fem.drivers._mounts import ANGLES
 from pvlib_fem.quality._screen import screened
 from pvlib_fem.quality._unit_checks import unit_of_driver
 
@@ -154,8 +155,15 @@ def proposal(
         f"- not mapped, {reason}: {', '.join(map(repr, columns))}"
         for reason, columns in guessed.unused.items()
     ]
-    if guessed.unused and click.get_current_context().info_name in ("loop", "recover"):
+    searches = click.get_current_context().info_name in ("loop", "recover")
+    if guessed.unused and searches:
         lines.append("- of those the numeric ones that vary are tried as causes, too")
+    if searches and not level and (words := options_of_place(guessed)):
+        lines.append(
+            f"- not given: {', '.join(words)}; without the place and the plane of the "
+            "modules no clock is checked by the sun, and effects that follow it are "
+            "not tested"
+        )
     if calm:
         lines.append(
             "- no column looks like wind_speed, and the model ross needs none; if "
@@ -176,6 +184,15 @@ def proposal(
     if guessed.area and not how["module_area"]:
         lines.append("- the area of the modules is not in the file: put it for AREA")
     return "\n".join(lines).rstrip(), line
+
+
+def options_of_place(guessed: Guess) -> list[str]:
+    """Options of the place and of the plane of the modules that are not given."""
+    given = click.get_current_context().params
+    turns = any(given[name] is not None for name in TRACKER)
+    turns |= bool(guessed.there & {*ANGLES, ROTATION})
+    names = PLACE[:2] if turns else PLACE[:4]
+    return [f"--{name}" for name in names if given[name] is None]
 
 
 def lacking_sensors(names: Iterable[str]) -> list[str]:
@@ -200,9 +217,8 @@ def of_the_sky(guessed: Guess) -> list[str]:
     }
     guessed.unused = {why: some for why, some in unused.items() if some}
     words = [] if context.params["transposition"] else ["--transposition", "perez"]
-    turns = any(context.params[name] is not None for name in TRACKER)
-    for name in PLACE[:2] if turns else PLACE[:4]:
-        words += [f"--{name}", name.upper()] if context.params[name] is None else []
+    for option in options_of_place(guessed):
+        words += [option, option.removeprefix("--").upper()]
     return words
 
 

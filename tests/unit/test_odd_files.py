@@ -321,6 +321,26 @@ def test_headers_of_other_languages_are_known(header, name):
     assert usual_name(header) == name
 
 
+def test_a_proposal_says_which_part_of_the_place_is_not_given(plant, tmp_path):
+    """A loop runs without it, and finds less."""
+    plant[list(COLUMNS)].to_csv(path := tmp_path / "plant.csv", index_label="time")
+    turned = plant[list(COLUMNS)].assign(surface_tilt=20.0, surface_azimuth=90.0)
+    turned.to_csv(other := tmp_path / "turned.csv", index_label="time")
+
+    def not_given(path, *words, command="loop"):
+        shown = call(command, path, "--guess", *words).output
+        lines = [line for line in shown.splitlines() if "not given" in line]
+        return lines[0].partition(";")[0] if lines else ""
+
+    place = ("--lat", 49.4, "--lon", 8.7)
+    assert not_given(path) == "- not given: --lat, --lon, --tilt, --azimuth"
+    assert not_given(path, *place) == "- not given: --tilt, --azimuth"
+    assert not_given(path, *place, "--max-angle", 55) == ""
+    assert not_given(other) == "- not given: --lat, --lon"
+    assert not_given(other, *place) == ""
+    assert not_given(path, command="fit") == ""
+
+
 def test_a_counter_is_listed_as_one(plant, tmp_path):
     """It is no column of power, whatever its unit."""
     data = plant[list(COLUMNS)].assign(power_ac=plant["poa_global"].clip(lower=0.0))
