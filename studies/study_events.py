@@ -74,7 +74,7 @@ def decided(data, **place):
 
     def found_in(hours, spread, total, shares):
         seen.append((hours, spread, covers_and_outages.SHARES | shares))
-        return covers_and_outages.found_in(hours, spread, total, shares)
+        return covers_and_outages.events_in(hours, spread, total, shares)
 
     with mock.patch.object(power_events, "found_in", found_in):
         close_loop(data, **place)

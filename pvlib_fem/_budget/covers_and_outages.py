@@ -111,7 +111,7 @@ class Hours:
         return new | (np.diff(self.number // 24, prepend=-1) > 0)
 
 
-def found_in(hours: Hours, spread: float, total: float, shares: dict) -> pd.DataFrame:
+def events_in(hours: Hours, spread: float, total: float, shares: dict) -> pd.DataFrame:
     """
     Events of some hours, as a table.
 
@@ -145,7 +145,9 @@ def found_in(hours: Hours, spread: float, total: float, shares: dict) -> pd.Data
         if state[start] and end - start >= FEWEST:
             some = slice(start, end)
             kinds[some] = deciding.kind(some)
-    return event_table(rows_of(hours, joined(kinds), kinds, total), hours.extra)
+    return event_table(
+        rows_of_events(hours, event_spans(kinds), kinds, total), hours.extra
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,7 +250,7 @@ def bridged(state: np.ndarray, breaks: np.ndarray) -> np.ndarray:
     return state
 
 
-def joined(kinds: np.ndarray) -> list:
+def event_spans(kinds: np.ndarray) -> list:
     """From and to (exclusive) of each event; one hour of another kind is bridged."""
     spans = []
     for start, end in runs(kinds):
@@ -270,7 +272,7 @@ def runs(values: np.ndarray, breaks: np.ndarray | None = None) -> Iterator:
     yield from zip(first.tolist(), [*first[1:].tolist(), len(values)])
 
 
-def rows_of(hours: Hours, ends: list, kinds: np.ndarray, total: float) -> list:
+def rows_of_events(hours: Hours, ends: list, kinds: np.ndarray, total: float) -> list:
     """Events as rows, the largest share first."""
     rows = []
     for start, end in ends:

@@ -65,22 +65,22 @@ def episodes_of(case: Any, step: Any) -> pd.DataFrame:
         mine = residual[within]
         table_rows.append(
             {
-                "start": written(first),
-                "end": written(last),
+                "start": date_text(first),
+                "end": date_text(last),
                 "days": last - first + 1,
-                "day": mean(residual[within & sunny]),
-                "night": mean(residual[within & ~sunny]),
+                "day": mean_or_nan(residual[within & sunny]),
+                "night": mean_or_nan(residual[within & ~sunny]),
                 "share": float(mine @ mine / total),
             }
         )
     return episode_table(sorted(table_rows, key=lambda row: -row["share"]))
 
 
-def mean(values: np.ndarray) -> float:
+def mean_or_nan(values: np.ndarray) -> float:
     return float(values.mean()) if len(values) else np.nan
 
 
-def written(date: int) -> str:
+def date_text(date: int) -> str:
     return str(np.datetime64(int(date), "D"))
 
 
@@ -158,7 +158,7 @@ def budget_of(
     """
     weeks, residual, rows = budget_weeks(case, steps, steps[path[-1]])
     squares = table.loc[path, ENDINGS[weeks]] ** 2
-    out = rows & within(case.whole.dates, stretches)
+    out = rows & rows_within(case.whole.dates, stretches)
     apart = residual[out] @ residual[out] / max(rows.sum(), 1)
     usual = (rows & ~out).sum() / max(rows.sum(), 1)
     scales = residual_by_scale(case.whole, residual, rows & ~out)
@@ -210,7 +210,7 @@ def residual_by_scale(record: Record, residual: np.ndarray, rows: np.ndarray) ->
     return by_scale(residual[rows], record.dates[rows], hours, *times)
 
 
-def within(dates: np.ndarray, stretches: pd.DataFrame) -> np.ndarray:
+def rows_within(dates: np.ndarray, stretches: pd.DataFrame) -> np.ndarray:
     """Mask of the rows of some stretches of days."""
     held = np.zeros(len(dates), dtype=bool)
     for start, end in zip(stretches["start"], stretches["end"]):

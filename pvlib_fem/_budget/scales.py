@@ -58,7 +58,7 @@ def by_scale(
         return dict.fromkeys(SCALES, 0.0)
     dates = np.asarray(dates, dtype=np.int64)
     blocks = (calendar_weeks(dates), dates, dates * HOURS + hours)
-    means = [blocked(residual, block) for block in blocks]
+    means = [block_means(residual, block) for block in blocks]
     squares = [size @ mean**2 for mean, size, _ in means] + [residual @ residual]
     counts = [len(size) for _, size, _ in means] + [rows]
     mean_squares = np.diff(squares, prepend=0.0).clip(min=0.0) / rows
@@ -68,7 +68,7 @@ def by_scale(
     return dict(zip(SCALES, map(float, (*(mean_squares - noise), noise.sum()))))
 
 
-def blocked(
+def block_means(
     values: np.ndarray, block: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Mean and number of rows of each block, and the place of each row's block."""
@@ -80,13 +80,15 @@ def blocked(
 def white_noise(values: np.ndarray, seconds: np.ndarray, step: float) -> float:
     """Mean square of the part without autocorrelation."""
     square = values @ values / len(values)
-    one, two = (lagged(values, seconds, step, lag) for lag in (1, 2))
+    one, two = (lagged_product(values, seconds, step, lag) for lag in (1, 2))
     # the autocovariance falls by a constant factor from row to row
     kept = one**2 / two if one > two > 0.0 else one
     return float(square - np.clip(kept, 0.0, square))
 
 
-def lagged(values: np.ndarray, seconds: np.ndarray, step: float, lag: int) -> float:
+def lagged_product(
+    values: np.ndarray, seconds: np.ndarray, step: float, lag: int
+) -> float:
     """Mean product of values so many rows apart."""
     near = seconds[lag:] - seconds[:-lag] <= NEAR * step * lag
     if not near.any():

@@ -53,7 +53,7 @@ def episodes(
         if len(days) >= FEWEST:
             ends = stretches(means, days, chance / 2.0)
             spans += [(int(days[i]), int(days[j - 1])) for i, j in ends]
-    return joined(sorted(spans))
+    return merged_stretches(sorted(spans))
 
 
 def daily_means(
@@ -72,7 +72,7 @@ def stretches(values: np.ndarray, days: np.ndarray, chance: float) -> list:
     for _ in range(MOST):
         if len(remaining) < FEWEST:
             break
-        new = at_once(values[remaining], days[remaining], chance)
+        new = stretches_of_search(values[remaining], days[remaining], chance)
         if not new:
             break
         spans += [
@@ -84,19 +84,19 @@ def stretches(values: np.ndarray, days: np.ndarray, chance: float) -> list:
     return spans
 
 
-def at_once(values: np.ndarray, days: np.ndarray, chance: float) -> list:
+def stretches_of_search(values: np.ndarray, days: np.ndarray, chance: float) -> list:
     """Stretches that one search finds, given the usual level of all days."""
     around = {"size": 2 * AROUND + 1, "mode": "reflect"}
     apart = values - median_filter(values, **around)
     # the weather is more variable in some weeks of the year
     size = np.abs(apart)
     apart /= np.maximum(median_filter(size, **around), max(np.median(size), TINY))
-    limits, spans = usual(apart, days, chance), []
+    limits, spans = sum_thresholds(apart, days, chance), []
     for _ in range(MOST):
-        best = strongest(apart, days, limits)
+        best = strongest_stretch(apart, days, limits)
         if best is None:
             break
-        start, end = grown(apart, days, *best)
+        start, end = grown_stretch(apart, days, *best)
         spans.append((start, end))
         apart[start:end] = 0.0
     return spans
@@ -110,7 +110,7 @@ def sums_of(values: np.ndarray, days: np.ndarray, length: int) -> np.ndarray:
     return np.where(span < 2 * length, sums, 0.0)
 
 
-def usual(apart: np.ndarray, days: np.ndarray, chance: float) -> dict:
+def sum_thresholds(apart: np.ndarray, days: np.ndarray, chance: float) -> dict:
     """Threshold of a sum of days, by number of days, that noise exceeds by chance."""
     half, most = np.quantile(np.abs(apart), [0.5, 0.9])
     if not half > 0.0:
@@ -127,7 +127,9 @@ def usual(apart: np.ndarray, days: np.ndarray, chance: float) -> dict:
     return limits
 
 
-def strongest(apart: np.ndarray, days: np.ndarray, limits: dict) -> tuple | None:
+def strongest_stretch(
+    apart: np.ndarray, days: np.ndarray, limits: dict
+) -> tuple | None:
     """The stretch that exceeds its threshold most, or None."""
     best, span = 1.0, None
     for length, limit in limits.items():
@@ -138,7 +140,9 @@ def strongest(apart: np.ndarray, days: np.ndarray, limits: dict) -> tuple | None
     return span
 
 
-def grown(apart: np.ndarray, days: np.ndarray, start: int, end: int) -> tuple[int, int]:
+def grown_stretch(
+    apart: np.ndarray, days: np.ndarray, start: int, end: int
+) -> tuple[int, int]:
     """The stretch, trimmed by usual days at its edges and extended by similar days."""
     mean = apart[start:end].mean()
     strong = np.flatnonzero(apart * np.sign(mean) >= HALF * abs(mean))
@@ -153,7 +157,7 @@ def grown(apart: np.ndarray, days: np.ndarray, start: int, end: int) -> tuple[in
     return int(strong[first]), int(strong[last]) + 1
 
 
-def joined(ends: list) -> list:
+def merged_stretches(ends: list) -> list:
     """Merge stretches that touch or overlap."""
     merged = []
     for first, last in ends:

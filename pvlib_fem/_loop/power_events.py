@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._budget.covers_and_outages import Hours, event_table, found_in
+from pvlib_fem._budget.covers_and_outages import Hours, event_table, events_in
 from pvlib_fem._record.column_names import plant_power
 from pvlib_fem._record.inputs import Inputs
 from pvlib_fem._thermal.model import ThermalModel
@@ -71,7 +71,7 @@ def events_of(fits: "Fits", step: "Step") -> pd.DataFrame:
         for effect in model.effects
         if effect.name in KINDS
     }
-    return found_in(hours, relation.spread, total, shares)
+    return events_in(hours, relation.spread, total, shares)
 
 
 def without_power(step: "Step", model: ThermalModel, inputs: Inputs) -> np.ndarray:
