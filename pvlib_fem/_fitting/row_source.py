@@ -13,9 +13,9 @@ from pvlib_fem._fitting.daily import DailySums
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.clusters import (
     cluster_sums_of,
-    joined,
+    date_starts,
+    joined_products,
     products_by_day,
-    starts,
 )
 from pvlib_fem._statistics.leastsquares import Normal, products
 from pvlib_fem._thermal.compiled import AT_ONCE, answered, fast
@@ -98,7 +98,7 @@ class Compiled:
     ) -> tuple[np.ndarray, np.ndarray]:
         rows = np.flatnonzero(self.counts)
         dates = self.dates[rows]
-        first, _ = starts(dates)
+        first, _ = date_starts(dates)
         total = self.summed(names, rows[first][1:], into)
         return dates[first], total[: len(first)]
 
@@ -226,7 +226,7 @@ class Source:
                 error = part.measured - modelled
                 for which, at in rows.items():
                     tallies[key][which].add(error[at])
-        sums = cluster_sums_of(*joined(by_day), self.count)
+        sums = cluster_sums_of(*joined_products(by_day), self.count)
         return scores.scored(tallies), DailySums(names, sums, self.winds)
 
 
@@ -397,5 +397,5 @@ def daily_sums(
         sums_by_part.append(
             answer.by_day(names, None if into is None else into[first:end])
         )
-    dates, sums = joined(sums_by_part)
+    dates, sums = joined_products(sums_by_part)
     return DailySums(names, cluster_sums_of(dates, sums, source.count), source.winds)

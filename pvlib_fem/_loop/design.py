@@ -18,7 +18,12 @@ from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.axes import Axis, axes, calendar_of
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem._statistics.tables import Table
-from pvlib_fem._statistics.weekly_sums import LeastSquares, products, solve, steady
+from pvlib_fem._statistics.weekly_sums import (
+    LeastSquares,
+    coefficients_from,
+    products,
+    with_ridge,
+)
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import weights_of
 
@@ -337,7 +342,7 @@ class Design:
     def residual_given(self, columns: Sequence["Column"]) -> np.ndarray:
         """Residual of a fit of some columns, by cell. [K]"""
         table = np.column_stack([self.values(c) for c in columns])
-        return self.cells[:, 0] - table @ solve(self.whole(columns))
+        return self.cells[:, 0] - table @ coefficients_from(self.whole(columns))
 
     def whitened(self, noise: Sequence[Table]) -> "Design":
         """The design for generalised least squares with some random effects."""
@@ -504,7 +509,7 @@ class Design:
         size, root = len(own), np.sqrt(self.rows)
         whole = fit.whole[1:, 1:]
         explained = np.linalg.solve(
-            steady(whole)[:-size, :-size], whole[:-size, -size:]
+            with_ridge(whole)[:-size, :-size], whole[:-size, -size:]
         )
         table = np.column_stack([self.values(c) for c in given])
         mine = np.column_stack([self.values(c) for c in own])
@@ -526,7 +531,7 @@ class Design:
             ]
         )
         drawn = drawn[:, APART:-APART] if shape[0] > 3 * APART else drawn[:, 1:]
-        inverse = np.linalg.inv(steady(mine.T @ mine))
+        inverse = np.linalg.inv(with_ridge(mine.T @ mine))
         covariance = inverse @ (drawn @ drawn.T / drawn.shape[1]) @ inverse
         return covariance, max(shape[0] / APART - 1.0, 1.0)
 

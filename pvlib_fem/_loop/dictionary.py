@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Self, cast
 
 import numpy as np
 
-from pvlib_fem._statistics.weekly_sums import solve, steady
+from pvlib_fem._statistics.weekly_sums import coefficients_from, with_ridge
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import number, time_profile_of, written
 
@@ -167,8 +167,8 @@ class Scan:
     def from_design(cls, design: "Design", given: Sequence[Column], side: int) -> Self:
         columns = [*given]
         whole, trust = design.whole(columns), trusted(design, columns)
-        inverse = np.linalg.inv(np.linalg.cholesky(steady(whole[1:, 1:])))
-        return cls(design, columns, side, solve(whole), inverse.T, trust)
+        inverse = np.linalg.inv(np.linalg.cholesky(with_ridge(whole[1:, 1:])))
+        return cls(design, columns, side, coefficients_from(whole), inverse.T, trust)
 
     def square_falls(self, parts: np.ndarray, low: float, high: float) -> np.ndarray:
         """Fall of the sum of squares by a column of such sums, with a possible sign."""

@@ -16,7 +16,13 @@ import numpy as np
 from pvlib_fem._findings import OUTSIDE
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY
 from pvlib_fem._statistics.axes import CLOCK, Axis, sorted_by
-from pvlib_fem._statistics.tables import Cells, Table, group_means, joined, largest
+from pvlib_fem._statistics.tables import (
+    Cells,
+    Table,
+    cell_numbers,
+    group_means,
+    largest_table,
+)
 from pvlib_fem._statistics.weekly_sums import LeastSquares, products
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects._effect import Effect
@@ -301,13 +307,13 @@ def tables(design: "Design", effect: Effect) -> Iterator[np.ndarray]:
     """Group of each cell, by each table of unknown structure that an effect meets."""
     axes = {axis.name: axis for axis in design.axes}
     for kind in usual_tables(axes):
-        yield numbered(joined(kind)[0])
+        yield numbered(cell_numbers(kind)[0])
     if not effect.sensor_fault and design.has_weeks:
         yield design.weeks
     skip = {*USUAL, *effect.drivers, *needed_for(effect.drivers), *CLOCK, *GEOMETRY}
     for name, axis in axes.items():
         if axis.column not in skip and name not in skip:
-            yield numbered(joined((axis, axes["hour"]))[0])
+            yield numbered(cell_numbers((axis, axes["hour"]))[0])
 
 
 def usual_tables(axes: Mapping[str, Axis]) -> list[tuple[Axis, ...]]:
@@ -341,7 +347,7 @@ def random_effects(
     rest = design.residual_given(given)
     tables: list[Table] = []
     while len(tables) < MOST_TABLES:
-        table = largest(kinds, rest, least)
+        table = largest_table(kinds, rest, least)
         if table is None:
             break
         rest = rest - table.values

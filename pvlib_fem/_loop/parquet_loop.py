@@ -21,7 +21,7 @@ from pvlib_fem._record.inputs import Inputs
 from pvlib_fem._record.join_steps import JoinedColumns
 from pvlib_fem._record.parquet import ParquetRecord
 from pvlib_fem._record.resampling import Sums
-from pvlib_fem._statistics.clusters import root
+from pvlib_fem._statistics.clusters import root_of_decrease
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers._mounts import by_night
 from pvlib_fem.drivers._planes import ANGLES, ByColumns, rotated
@@ -259,5 +259,9 @@ def own_checks(
     keeps = fall / fall_on_means if fall_on_means > 0.0 else 1.0
     yield (
         Check(words, "", keeps, KEEPS),
-        because(Reason.LESS_ON_OWN_STEPS, gain=root(fall), means=root(fall_on_means)),
+        because(
+            Reason.LESS_ON_OWN_STEPS,
+            gain=root_of_decrease(fall),
+            means=root_of_decrease(fall_on_means),
+        ),
     )

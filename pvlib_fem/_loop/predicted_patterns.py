@@ -11,7 +11,7 @@ import pandas as pd
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.inputs import Inputs, read
 from pvlib_fem._statistics.axes import CLOCK, Axis, calendar_of
-from pvlib_fem._statistics.tables import Table, joined
+from pvlib_fem._statistics.tables import Table, cell_numbers
 from pvlib_fem._thermal.model import as_in_a_fit
 from pvlib_fem.drivers import behind, completed
 
@@ -84,7 +84,7 @@ class Pattern:
         ]
         known = np.all([cell >= 0 for cell in cells], axis=0)
         bins = (replace(axis, bins=cell) for axis, cell in zip(self.axes, cells))
-        groups, _ = joined(tuple(bins))
+        groups, _ = cell_numbers(tuple(bins))
         return np.where(known, np.array(self.means)[np.where(known, groups, 0)], 0.0)
 
     def local(self, index: pd.Index) -> pd.Index:

@@ -12,7 +12,7 @@ from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, is_power
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.axes import PAST, axes, calendar_of
 from pvlib_fem._statistics.clusters import calendar_weeks
-from pvlib_fem._statistics.tables import Cells, Table, largest, ways
+from pvlib_fem._statistics.tables import Cells, Table, axes_and_pairs, largest_table
 from pvlib_fem.drivers import behind, completed
 from pvlib_fem.reasons import Reason, because
 
@@ -60,14 +60,14 @@ def repeated(fits: "Fits", step: "Step", least: float) -> list[Table]:
     usual = [axis for axis in own if axis.name not in {*GEOMETRY, *PAST}]
     past = [axis for axis in own if axis.name in PAST]
     sun = tuple(axis for axis in own if axis.name in SUN)
-    present = [*ways(usual), *([sun] if len(sun) == len(SUN) else [])]
-    late = [kind for kind in ways([*usual, *past]) if {*kind} & {*past}]
+    present = [*axes_and_pairs(usual), *([sun] if len(sun) == len(SUN) else [])]
+    late = [kind for kind in axes_and_pairs([*usual, *past]) if {*kind} & {*past}]
     weeks = numbered_weeks(dates)
     cells: list[Cells] = []
     tables: list[Table] = []
     for kinds in (present, late):
         new = [Cells.from_axes(kind, hours.count, weeks) for kind in kinds]
-        while (table := largest(new, rest, least)) is not None:
+        while (table := largest_table(new, rest, least)) is not None:
             (own_cells,) = (one for one in new if one.axes == table.axes)
             new.remove(own_cells)
             cells.append(own_cells)

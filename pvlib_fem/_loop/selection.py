@@ -21,10 +21,10 @@ from pvlib_fem._loop.noise import random_effects
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,
-    alike,
-    fall,
+    explainable_share,
+    fall_of_squares,
     held_out,
-    steady,
+    with_ridge,
 )
 from pvlib_fem.effects._effect import Effect, Parameter
 from pvlib_fem.effects._time_profiles import time_profile_of
@@ -247,7 +247,7 @@ class Selection:
     def in_sample(self, one: Candidate, given: Sequence[Column]) -> float:
         """Fall of the mean square on the weeks that are fitted. [K²]"""
         whole = self.design.whole([*given, *one.columns])
-        return float(fall(whole, len(one.columns))) / self.design.count
+        return float(fall_of_squares(whole, len(one.columns))) / self.design.count
 
     def in_samples(
         self, candidates: Sequence[Candidate], given: Sequence[Column]
@@ -258,7 +258,7 @@ class Selection:
         places = dict.fromkeys(c for i in plain for c in candidates[i].columns)
         order = {c: i + 1 for i, c in enumerate(c for c in places if c not in given)}
         whole = design.whole([*given, *order])
-        whole[1:, 1:] = steady(whole[1:, 1:])
+        whole[1:, 1:] = with_ridge(whole[1:, 1:])
         own = [0, *range(size + 1, len(whole))]
         cross = whole[1 : size + 1, own]
         beyond = whole[np.ix_(own, own)]
@@ -286,7 +286,7 @@ class Selection:
         """
         own, rival = one.beyond(given), other.beyond(given)
         whole = self.design.whole([*given, *own, *rival])
-        return float(alike(whole, len(own), len(rival)))
+        return float(explainable_share(whole, len(own), len(rival)))
 
     def score(self, one: Candidate, given: Sequence[Column]) -> Score:
         """
@@ -399,7 +399,7 @@ class Selection:
         for i, one in enumerate(members.values()):
             rival = one.beyond(given)
             wholes = drawn(design.by_week([*given, *mine, *rival]), draws)
-            share = alike(wholes, len(mine), len(rival))
+            share = explainable_share(wholes, len(mine), len(rival))
             shared[i] = np.minimum(shared[i], share * most)
         shapes = any(one.effect.confounder for one in members.values())
         law = (self.criteria.shape_error if shapes else self.criteria.law_error) ** 2
@@ -448,7 +448,7 @@ def drawn_part(
     inverse = np.linalg.inv(squares + 1e-9 * np.diag(np.diag(squares)))
     own_part = np.linalg.inv(inverse[-len(own) :, -len(own) :])
     noise = np.trace(own_part @ fit.covariance)
-    return (fall(drawn(weekly, draws), len(own)) - noise) / design.count
+    return (fall_of_squares(drawn(weekly, draws), len(own)) - noise) / design.count
 
 
 def drawn(weekly: np.ndarray, draws: np.ndarray) -> np.ndarray:

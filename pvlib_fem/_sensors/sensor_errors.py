@@ -9,7 +9,7 @@ from pvlib_fem._loop.design import Design
 from pvlib_fem._loop.selection import Selection
 from pvlib_fem._record.column_names import same, twin_of
 from pvlib_fem._record.inputs import Record, as_record
-from pvlib_fem._statistics.weekly_sums import solve
+from pvlib_fem._statistics.weekly_sums import coefficients_from
 from pvlib_fem.effects import CHANGES
 from pvlib_fem.effects._time_profiles import number
 from pvlib_fem.quality._screen import screened
@@ -204,7 +204,7 @@ def step_of(
     (step,) = candidates
     score = selection.score(step, given)
     both = selection.design.whole(given)
-    before = share + float(solve(both)[0] / design.scale[1])
+    before = share + float(coefficients_from(both)[0] / design.scale[1])
     if (
         score.probability < criteria.min_probability
         or score.fall < criteria.min_hint_reduction**2

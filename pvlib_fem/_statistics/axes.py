@@ -283,7 +283,7 @@ def sorted_by(name: str, values: np.ndarray) -> Axis | None:
     if len(cuts) == 0:
         return None
     edges = [min(low, np.nanmin(values)), *cuts, high]
-    labels = tuple((rounded(a), rounded(b)) for a, b in pairwise(edges))
+    labels = tuple((rounded_cut(a), rounded_cut(b)) for a, b in pairwise(edges))
     clear = name not in CLOCK and not name.startswith(OF_COLUMN)
     shown = name if clear else OF_COLUMN + name
     return Axis.of_values(shown, values, labels, tuple(cuts.tolist()), name)
@@ -298,5 +298,5 @@ def of_width(name: str, values: np.ndarray, width: float) -> Axis:
     return Axis.of_values(name, values, labels, cuts, name)
 
 
-def rounded(value: float) -> float:
+def rounded_cut(value: float) -> float:
     return float(f"{value:.3g}")

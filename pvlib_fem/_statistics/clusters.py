@@ -143,7 +143,7 @@ def submatrices(sums: np.ndarray, columns: list) -> np.ndarray:
     return sums.reshape(len(sums), -1).take(places, axis=1)
 
 
-def root(square: Any) -> Any:
+def root_of_decrease(square: Any) -> Any:
     """
     Root of a decrease of the mean square; negative for an increase.
 
@@ -249,7 +249,7 @@ def products_by_day(columns: list, dates: np.ndarray) -> tuple[np.ndarray, np.nd
     products : array, shape (days, columns, columns)
         Sums over the rows of each day.
     """
-    first, ends = starts(dates)
+    first, ends = date_starts(dates)
     size, rows = len(columns), np.diff(first, append=len(dates))
     daily = np.empty((len(first), size, size))
     # consecutive short days with equal numbers of rows are computed together
@@ -273,7 +273,7 @@ def of_days(columns: list, rows: Any, length: int) -> np.ndarray:
     return np.ascontiguousarray(days) @ np.ascontiguousarray(days.transpose(0, 2, 1))
 
 
-def joined(parts: list) -> tuple[np.ndarray, np.ndarray]:
+def joined_products(parts: list) -> tuple[np.ndarray, np.ndarray]:
     """
     Dates and products of consecutive blocks, with each date once.
 
@@ -292,7 +292,7 @@ def joined(parts: list) -> tuple[np.ndarray, np.ndarray]:
     """
     days, sums = zip(*parts)
     days, sums = np.concatenate(days), np.concatenate(sums)
-    first, _ = starts(days)
+    first, _ = date_starts(days)
     return days[first], np.add.reduceat(sums, first, axis=0)
 
 
@@ -316,7 +316,7 @@ def days_of_folds(dates: np.ndarray, folds: int = FOLDS) -> np.ndarray:
     return np.unique(grouped, return_inverse=True)[1] % folds
 
 
-def starts(dates: np.ndarray) -> Any:
+def date_starts(dates: np.ndarray) -> Any:
     """
     First row of each date, and the row after its last.
 

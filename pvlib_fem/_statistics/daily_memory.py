@@ -70,15 +70,15 @@ def daily_memory(sums: ClusterSums) -> DailyMemory:
     place = int(np.argmax(correlations * squares))
     memory, weight = correlations[place], squared[:, place]
     # the fit has already removed the mean of the error from the residual
-    free = weight.sum() - between(weight, memory) / weight.sum()
+    free = weight.sum() - correlated_sum(weight, memory) / weight.sum()
     gamma = squares[place] / max(free, weight.sum() / days)
     moved = normals[:, place] @ inverse
-    added = gamma * (between(moved, memory) - (moved**2).sum(axis=0))
+    added = gamma * (correlated_sum(moved, memory) - (moved**2).sum(axis=0))
     variance = np.maximum(added, 0.0) / sums.scale**2
     return DailyMemory(variance, -1.0 / np.log(memory) if memory > 0.0 else 0.0, days)
 
 
-def between(columns: np.ndarray, memory: float) -> float | np.ndarray:
+def correlated_sum(columns: np.ndarray, memory: float) -> float | np.ndarray:
     """Sum of products of all pairs of days, weighted by their correlation."""
     carried = lfilter([1.0], [1.0, -memory], columns, axis=0)
     return (columns * (2.0 * carried - columns)).sum(axis=0)

@@ -164,7 +164,7 @@ class Cells:
     @classmethod
     def from_axes(cls, axes: tuple, rows: np.ndarray, weeks: np.ndarray) -> "Cells":
         """Cells of axes; ``rows`` and ``weeks`` as in :meth:`Table.from_residual`."""
-        groups, count = joined(axes)
+        groups, count = cell_numbers(axes)
         size = int(weeks[-1]) + 1
         place = (weeks * count + groups).astype(np.int32)
         held = np.bincount(place, rows, size * count).reshape(-1, count)
@@ -215,7 +215,7 @@ def group_means(groups: np.ndarray, rows: np.ndarray) -> Callable:
     return lambda values: (np.bincount(groups, values * rows) / count)[groups]
 
 
-def joined(axes: tuple) -> tuple[np.ndarray, int]:
+def cell_numbers(axes: tuple) -> tuple[np.ndarray, int]:
     """
     Number of each value's cell on one or two axes, and the number of cells.
 
@@ -238,7 +238,7 @@ def joined(axes: tuple) -> tuple[np.ndarray, int]:
     return one.bins * wide + two.bins, len(one.labels) * wide
 
 
-def ways(axes: list) -> list:
+def axes_and_pairs(axes: list) -> list:
     """
     Each axis, and each pair of axes with different names.
 
@@ -256,7 +256,7 @@ def ways(axes: list) -> list:
     return [*((one,) for one in axes), *(p for p in pairs if p[0].name != p[1].name)]
 
 
-def largest(kinds: list[Cells], rest: np.ndarray, least: float) -> Table | None:
+def largest_table(kinds: list[Cells], rest: np.ndarray, least: float) -> Table | None:
     """
     The table with the largest significant and material variance.
 

@@ -58,7 +58,7 @@ class LeastSquares:
     @cached_property
     def solved(self) -> np.ndarray:
         """All coefficients."""
-        return solve(self.whole)
+        return coefficients_from(self.whole)
 
     @property
     def estimate(self) -> np.ndarray:
@@ -72,7 +72,7 @@ class LeastSquares:
     @cached_property
     def shifts(self) -> np.ndarray:
         """Change of the estimate without each week in turn."""
-        squares = steady((self.whole - self.weekly)[:, 1:, 1:])
+        squares = with_ridge((self.whole - self.weekly)[:, 1:, 1:])
         changes = np.linalg.solve(squares, self.scores[..., None])[..., 0]
         return -changes[:, -self.size :]
 
@@ -81,7 +81,7 @@ class LeastSquares:
         """Covariance of the estimate by the jackknife over autocorrelated weeks."""
         shifts, weeks = self.shifts - self.shifts.mean(axis=0), len(self.weekly)
         # collinear columns shift together
-        plain = steady((weeks - 1) / weeks * shifts.T @ shifts)
+        plain = with_ridge((weeks - 1) / weeks * shifts.T @ shifts)
         along = shifts @ np.linalg.solve(plain, self.estimate)
         return plain * memory_factor(along)
 
@@ -89,7 +89,7 @@ class LeastSquares:
     def mix(self) -> np.ndarray:
         """The tested columns without what the others explain of them."""
         projection = np.linalg.solve(
-            steady(self.whole[1:, 1:])[: -self.size, : -self.size],
+            with_ridge(self.whole[1:, 1:])[: -self.size, : -self.size],
             self.whole[1 : -self.size, -self.size :],
         )
         return np.vstack([-projection, np.eye(self.size)])
@@ -149,7 +149,7 @@ def memory_factor(scores: np.ndarray) -> float:
     return (1.0 + memory) / (1.0 - memory)
 
 
-def solve(whole: np.ndarray) -> np.ndarray:
+def coefficients_from(whole: np.ndarray) -> np.ndarray:
     """
     Coefficients from sums of products; the first row is that of the residual.
 
@@ -161,10 +161,12 @@ def solve(whole: np.ndarray) -> np.ndarray:
     -------
     array, shape (..., columns)
     """
-    return np.linalg.solve(steady(whole[..., 1:, 1:]), whole[..., 1:, 0, None])[..., 0]
+    return np.linalg.solve(with_ridge(whole[..., 1:, 1:]), whole[..., 1:, 0, None])[
+        ..., 0
+    ]
 
 
-def steady(squares: np.ndarray) -> np.ndarray:
+def with_ridge(squares: np.ndarray) -> np.ndarray:
     """
     Products with a ridge, so that undetermined coefficients stay 0.
 
@@ -182,7 +184,7 @@ def steady(squares: np.ndarray) -> np.ndarray:
     return squares + ridge[..., None] * np.eye(squares.shape[-1])
 
 
-def fall(whole: np.ndarray, size: int) -> Squares:
+def fall_of_squares(whole: np.ndarray, size: int) -> Squares:
     """
     Decrease of the sum of squares by the last columns.
 
@@ -204,11 +206,11 @@ def fall(whole: np.ndarray, size: int) -> Squares:
 
 def residual_squares(whole: np.ndarray) -> Squares:
     """Residual sum of squares of some columns."""
-    sizes = solve(whole)
+    sizes = coefficients_from(whole)
     return whole[..., 0, 0] - np.einsum("...i,...i->...", sizes, whole[..., 1:, 0])
 
 
-def alike(whole: np.ndarray, size: int, rival: int) -> Squares:
+def explainable_share(whole: np.ndarray, size: int, rival: int) -> Squares:
     """
     Share of the contribution of some columns that the last columns can explain.
 
@@ -224,7 +226,7 @@ def alike(whole: np.ndarray, size: int, rival: int) -> Squares:
     float, or array of one value for each matrix
     """
     own = whole.shape[-1] - 1 - size - rival
-    squares = steady(whole[..., 1:, 1:])
+    squares = with_ridge(whole[..., 1:, 1:])
     cross = squares[..., :own, own:]
     given = np.linalg.solve(squares[..., :own, :own], cross)
     beyond = squares[..., own:, own:] - np.swapaxes(cross, -1, -2) @ given
@@ -254,7 +256,7 @@ def held_out(weekly: np.ndarray, folds: np.ndarray) -> float:
         Over all groups, in the unit of the residual, squared.
     """
     parts = np.einsum("fw,wij->fij", folds, weekly)
-    sizes = solve(parts.sum(axis=0) - parts)
+    sizes = coefficients_from(parts.sum(axis=0) - parts)
     crossed = np.einsum("fi,fi->f", sizes, parts[:, 1:, 0])
     squared = np.einsum("fi,fij,fj->f", sizes, parts[:, 1:, 1:], sizes)
     return float((parts[:, 0, 0] - 2.0 * crossed + squared).sum())

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pvlib_fem._statistics.extremes import largest
+from pvlib_fem._statistics.extremes import rounded_argmax
 from pvlib_fem.drivers._planes import angles_of, normals
 from pvlib_fem.effects._standstill_days import SHORTEST, Days, falls
 
@@ -167,7 +167,7 @@ def find_standstill(
     if not len(lengths):
         return None
     each = [days.best(days.sums(tangent), lengths) for tangent in tangents]
-    at = largest([fall for fall, *_ in each])
+    at = rounded_argmax([fall for fall, *_ in each])
     fall, first, last = each[at]
     if not fall > 0.0:
         return None

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pvlib_fem._statistics.extremes import as_normal, largest
+from pvlib_fem._statistics.extremes import as_normal, rounded_argmax
 
 SIZES = (0.7, 1.3)  # shares: it stands as a whole, and the light is estimated
 POSSIBLE = (0.5, 1.5)  # shares beyond which it is something else
@@ -152,7 +152,7 @@ class Days:
         for length in lengths.tolist():
             first = np.arange(len(self.dates) - length + 1)
             reductions, _ = falls(*total.between(first, first + length).directed)
-            at = largest(reductions)
+            at = rounded_argmax(reductions)
             if reductions[at] > best[0]:
                 best = float(reductions[at]), at, at + length
         return best

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from pvlib_fem._statistics.extremes import ALIKE, as_normal, largest
+from pvlib_fem._statistics.extremes import ALIKE, as_normal, rounded_argmax
 from pvlib_fem._statistics.leastsquares import products
 
 UNSEEN = 1e-6  # of a column's square; a smaller independent part counts as zero
@@ -76,7 +76,7 @@ def find_windows(
     weigh = partial(gain_of, sign=sign, most=MOST_SHARE)
     for _ in range(MOST_WINDOWS):
         steps = [sky.step(mask, cut, weigh) for cut in (False, True)]
-        new, its = steps[largest([gain for _, gain in steps])]
+        new, its = steps[rounded_argmax([gain for _, gain in steps])]
         if its - gain < floor:
             break
         # the new cells as a column, given the cells of the mask so far
@@ -157,7 +157,8 @@ class Sky:
         climbs = [climb(total, there, weigh, start, ends) for start in starts]
         if not climbs:
             return mask, 0.0
-        (low, high, start, end), gain = climbs[largest([gain for _, gain in climbs])]
+        best = rounded_argmax([gain for _, gain in climbs])
+        (low, high, start, end), gain = climbs[best]
         new = mask.copy()
         new[low:high, start:end] = not cut
         return new, gain
@@ -249,7 +250,7 @@ def climb(
         else:
             strip = total[:, first : last + 1, end] - total[:, first : last + 1, start]
         gains = of_pairs(strip, there, weigh)
-        best = np.unravel_index(largest(gains), gains.shape)
+        best = np.unravel_index(rounded_argmax(gains), gains.shape)
         stays = 0 if gains[best] > gain * (1.0 + ALIKE) else stays + 1
         if stays == 2:
             break

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pvlib_fem._statistics.clusters import cluster_sums
-from pvlib_fem._statistics.daily_memory import between, daily_memory
+from pvlib_fem._statistics.daily_memory import correlated_sum, daily_memory
 
 ROWS = 6  # of a day
 
@@ -31,7 +31,7 @@ def test_pairs_of_days_are_summed_by_what_is_between_them():
     columns = np.random.default_rng(0).normal(size=(40, 3))
     apart = np.abs(np.subtract.outer(np.arange(40), np.arange(40)))
     want = np.einsum("ti,ts,si->i", columns, 0.7**apart, columns)
-    np.testing.assert_allclose(between(columns, 0.7), want, rtol=1e-12)
+    np.testing.assert_allclose(correlated_sum(columns, 0.7), want, rtol=1e-12)
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.5, 0.8])

@@ -18,7 +18,12 @@ from pvlib_fem._loop.noise import (
 )
 from pvlib_fem._loop.selection import Choice, Selection, existence
 from pvlib_fem._statistics.tables import Table
-from pvlib_fem._statistics.weekly_sums import LeastSquares, alike, held_out, products
+from pvlib_fem._statistics.weekly_sums import (
+    LeastSquares,
+    explainable_share,
+    held_out,
+    products,
+)
 from pvlib_fem.effects import CHANGES, EFFECTS, find
 from pvlib_fem.effects._time_profiles import number, weights_of
 
@@ -455,9 +460,13 @@ def test_what_another_would_explain_is_its_fit_to_what_the_first_explains(
     stands_in = other @ np.linalg.lstsq(other, part, rcond=None)[0]
     whole = table.T @ table
     expected = (stands_in @ stands_in) / (part @ part)
-    assert alike(whole, size, rival) == pytest.approx(expected, rel=1e-4, abs=1e-6)
+    assert explainable_share(whole, size, rival) == pytest.approx(
+        expected, rel=1e-4, abs=1e-6
+    )
     twice = np.column_stack([table[:, : 3 + size], table[:, 3 : 3 + size]])
-    assert alike(twice.T @ twice, size, size) == pytest.approx(1.0, abs=1e-5)
+    assert explainable_share(twice.T @ twice, size, size) == pytest.approx(
+        1.0, abs=1e-5
+    )
 
 
 def test_a_law_that_is_not_exact_keeps_its_size_where_it_changes():

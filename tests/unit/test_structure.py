@@ -8,7 +8,7 @@ import pytest
 
 from pvlib_fem._statistics.axes import axes, sorted_by
 from pvlib_fem._statistics.clusters import calendar_weeks
-from pvlib_fem._statistics.tables import Cells, Table, largest, ways
+from pvlib_fem._statistics.tables import Cells, Table, axes_and_pairs, largest_table
 
 TIMES = pd.date_range("2023-01-02", periods=96 * 364, freq="15min", tz="Etc/GMT-1")
 DATES = TIMES.tz_localize(None).to_numpy().astype("datetime64[D]").astype(int)
@@ -27,8 +27,8 @@ CLOCK = {"hour": HOUR, "month": np.asarray(TIMES.month), "weekend": WEEKDAY >= 5
 def strongest(residual, without=(), columns=DRIVERS):
     columns = {name: c for name, c in columns.items() if name not in without}
     sorts = list(axes(CLOCK | columns, DATES))
-    cells = [Cells.from_axes(kind, ROWS, WEEKS) for kind in ways(sorts)]
-    return largest(cells, residual, 0.0)
+    cells = [Cells.from_axes(kind, ROWS, WEEKS) for kind in axes_and_pairs(sorts)]
+    return largest_table(cells, residual, 0.0)
 
 
 def noise(sd=0.5):
