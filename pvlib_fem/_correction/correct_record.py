@@ -7,7 +7,7 @@ import pandas as pd
 
 from pvlib_fem._correction.corrected_record import CorrectedRecord
 from pvlib_fem._correction.correction_steps import FLAGS, TIME, Work
-from pvlib_fem._correction.faults import chosen
+from pvlib_fem._correction.faults import faults_to_correct
 from pvlib_fem._correction.repairs import SOUND
 from pvlib_fem._record.column_names import (
     ALIASES,
@@ -56,7 +56,7 @@ def corrected_record(
             f"data have {own[0]}, as a record that is corrected already; give the "
             "record as it was measured"
         )
-    faults = chosen(loop, resolve)
+    faults = faults_to_correct(loop, resolve)
     inside = rows_inside(loop, data.index)
     work = Work(data.copy(), labels, numeric(columns), inside)
     work.clocks(loop)

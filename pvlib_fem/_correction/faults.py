@@ -30,7 +30,7 @@ class Fault:
         )
 
 
-def chosen(loop: Any, resolve: tuple) -> list:
+def faults_to_correct(loop: Any, resolve: tuple) -> list:
     """
     The findings in the model as faults, ambiguous ones by the member to apply.
 

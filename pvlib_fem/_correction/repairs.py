@@ -25,22 +25,22 @@ RANGE = "90 % range"
 SHARE = 100.0  # %
 
 
-def irradiance(columns: dict, terms: Terms, coefficients: dict) -> np.ndarray:
+def sound_irradiance(columns: dict, terms: Terms, coefficients: dict) -> np.ndarray:
     """Irradiance with which the model needs no further heat. [W/m²]"""
     return columns["poa_global"] + terms.heat
 
 
-def wind(columns: dict, terms: Terms, coefficients: dict) -> np.ndarray:
+def sound_wind(columns: dict, terms: Terms, coefficients: dict) -> np.ndarray:
     """Wind with which a loss of ``u0 + u1 · wind_speed`` needs no more. [m/s]"""
     return columns["wind_speed"] + terms.loss / coefficients["u1"]
 
 
-def air(columns: dict, terms: Terms, coefficients: dict) -> np.ndarray:
+def sound_air(columns: dict, terms: Terms, coefficients: dict) -> np.ndarray:
     """Air temperature, of terms whose ``air_base`` is 1. [°C]"""
     return columns["temp_air"] + terms.heat + terms.offset
 
 
-def module(columns: dict, terms: Terms, coefficients: dict) -> np.ndarray:
+def sound_module(columns: dict, terms: Terms, coefficients: dict) -> np.ndarray:
     """Reading of a module's sensor that is attached and calibrated as before. [°C]"""
     zero = columns["temp_air"] + coefficients["bias"]
     over = columns["temp_module"] - terms.offset - zero
@@ -49,14 +49,14 @@ def module(columns: dict, terms: Terms, coefficients: dict) -> np.ndarray:
 
 #: column: what a sound instrument would have read
 SOUND = {
-    "poa_global": irradiance,
-    "wind_speed": wind,
-    "temp_air": air,
-    "temp_module": module,
+    "poa_global": sound_irradiance,
+    "wind_speed": sound_wind,
+    "temp_air": sound_air,
+    "temp_module": sound_module,
 }
 
 
-def same(size: float, coefficients: dict) -> float:
+def unchanged(size: float, coefficients: dict) -> float:
     return size
 
 
@@ -105,13 +105,13 @@ LESS, MORE = "reads less", "reads more"
 COLD, WARM = "reads too cold", "reads too warm"
 #: what the faults of instruments are, by sensor fault or by the name of the effect
 REPAIRS = {
-    "irradiance_sensor": Repair("poa_global", SENSOR, LESS, MORE, same, READING),
+    "irradiance_sensor": Repair("poa_global", SENSOR, LESS, MORE, unchanged, READING),
     "soiling": Repair(
         "poa_global",
         SENSOR,
         "soils between rains",
         "",
-        same,
+        unchanged,
         "of the reading for each day since rain",
     ),
     "anemometer": Repair("wind_speed", ANEMOMETER, LESS, MORE, over_wind, READING),
@@ -123,7 +123,7 @@ REPAIRS = {
         over_wind,
         "of the difference between 1.5 m/s and the reading",
     ),
-    "air_offset": Repair("temp_air", SHIELD, COLD, WARM, same, "", "K"),
+    "air_offset": Repair("temp_air", SHIELD, COLD, WARM, unchanged, "", "K"),
     "air_sensor_shield": Repair(
         "temp_air",
         SHIELD,
@@ -242,7 +242,7 @@ def dates_of(effect: Effect, first: str, last: str) -> tuple[str, str]:
     return start, written(number(end) - 1) if end else last
 
 
-def when(effect: Effect) -> str:
+def time_in_words(effect: Effect) -> str:
     """The dates of a fault in words."""
     words = dates_in_words(effect.settings) if is_dated(effect) else ""
     return {
@@ -275,9 +275,9 @@ def sentence(effect: Effect, repair: Repair, added: tuple) -> str:
     value, error, low, high = (times * n for n in added)
     each = " for each year" if time_profile_of(effect) == "drift" else ""
     size = f"{with_error(value, error)} {unit}"
-    of = f" {repair.of}" if repair.of else ""
+    quantity = f" {repair.of}" if repair.of else ""
     ends = f" ({RANGE} {low:.3g} to {high:.3g} {unit})" if np.isfinite(low) else ""
     return (
-        f"{repair.column}: {repair.device} {what} {when(effect)}. "
-        f"Added: {size}{of}{each}{ends}."
+        f"{repair.column}: {repair.device} {what} {time_in_words(effect)}. "
+        f"Added: {size}{quantity}{each}{ends}."
     )
