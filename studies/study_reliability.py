@@ -17,7 +17,7 @@ from pvlib.location import Location
 from study_page import publish
 
 import pvlib_fem as fem
-from pvlib_fem._recovery.recovery_text import KINDS, interval, lines
+from pvlib_fem._recovery.recovery_text import KINDS, lines, share_with_interval
 from pvlib_fem._recovery.trial import CLEARLY, false_names
 from pvlib_fem._statistics.jeffreys import share_between
 
@@ -74,7 +74,7 @@ def page(found, trials):
             sum(len(getattr(trial, part)) for trial in done)
             for part in ("identified", "ambiguous")
         )
-        share = interval(count, of, *share_between(count, of))
+        share = share_with_interval(count, of, *share_between(count, of))
         kinds = ", ".join(
             f"{sum(trial.kind == kind for trial in done)} with {words}"
             for kind, words in KINDS.items()

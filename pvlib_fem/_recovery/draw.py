@@ -88,8 +88,8 @@ class Draw:
 
     def of_size(self, size: float, predicted: float, own: float) -> Injection:
         """The injection of a size."""
-        coefficients = {n: rounded(size * part) for n, part in self.way.items()}
-        numbers = map(rounded, (size, predicted, own))
+        coefficients = {n: to_six_digits(size * part) for n, part in self.way.items()}
+        numbers = map(to_six_digits, (size, predicted, own))
         settings = dict(self.effect.settings)
         return Injection(
             self.effect.name, self.number, settings, coefficients, *numbers
@@ -106,12 +106,12 @@ class Draw:
         return ((name, part) for name, part in self.way.items() if part)
 
 
-def rounded(value: float) -> float:
+def to_six_digits(value: float) -> float:
     """Round to six digits: readable, and equal on every computer."""
     return float(f"{value:.6g}")
 
 
-def chosen(
+def injectable_effects(
     case: Case, loop: Loop, effects: list | str | None
 ) -> tuple[list[Effect], dict[str, str]]:
     """
@@ -168,7 +168,7 @@ def needs_nothing(make: Any) -> Any:
     return all(row.default is not row.empty for row in rows)
 
 
-def drawn(
+def dated_draws(
     effect: Effect, days: np.ndarray, side: int, draws: int, seed: int
 ) -> tuple[list["Draw"], Because | None]:
     """
@@ -225,7 +225,7 @@ def time_profile_of(effect: Effect) -> TimeProfile:
     )
 
 
-def step(days: np.ndarray, side: int, random: np.random.Generator) -> dict | None:
+def drawn_step(days: np.ndarray, side: int, random: np.random.Generator) -> dict | None:
     """A date with enough days on either side."""
     edge = max(side, int(EDGE * len(days)))
     if len(days) <= 2 * edge:
@@ -233,7 +233,7 @@ def step(days: np.ndarray, side: int, random: np.random.Generator) -> dict | Non
     return {"at": written(days[random.integers(edge, len(days) - edge)])}
 
 
-def episode(days: np.ndarray, side: int, random: np.random.Generator) -> Any:
+def drawn_episode(days: np.ndarray, side: int, random: np.random.Generator) -> Any:
     """A stretch whose length is uniform in its logarithm."""
     most = int(LONGEST * len(days))
     if most <= 2 * side:
@@ -243,12 +243,12 @@ def episode(days: np.ndarray, side: int, random: np.random.Generator) -> Any:
     return {"start": written(days[start]), "end": written(days[start + length])}
 
 
-def drift(days: np.ndarray, side: int, random: np.random.Generator) -> Any:
+def drawn_drift(days: np.ndarray, side: int, random: np.random.Generator) -> Any:
     """A trend from the first day on."""
     return {"since": written(days[0])}
 
 
-DATES = {"step": step, "episode": episode, "drift": drift}
+DATES = {"step": drawn_step, "episode": drawn_episode, "drift": drawn_drift}
 
 
 def with_ways(draws: list, errors: list, seed: int) -> list:
@@ -293,7 +293,9 @@ def with_ways(draws: list, errors: list, seed: int) -> list:
     return directed
 
 
-def holds(finding: Finding, effect: Effect, effects: dict, days: np.ndarray) -> bool:
+def holds_truth(
+    finding: Finding, effect: Effect, effects: dict, days: np.ndarray
+) -> bool:
     """
     Whether a finding holds the true effect; a fault also on about its days.
 

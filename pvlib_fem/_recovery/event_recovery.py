@@ -15,7 +15,7 @@ from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.planes import with_given
 from pvlib_fem._loop.power_events import KINDS
 from pvlib_fem._record.column_names import PLANT_POWER, plant_power, printable
-from pvlib_fem._recovery.inject import add
+from pvlib_fem._recovery.inject import add_to_rows
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers._plant_irradiance import LEAST
 
@@ -251,4 +251,4 @@ class Plant:
             power = np.nan_to_num(self.record[name])
             changes[name] = np.where(rows, (event.power - 1.0) * power, 0.0)
         for name, values in changes.items():
-            add(data, labels[name], self.kept, values)
+            add_to_rows(data, labels[name], self.kept, values)

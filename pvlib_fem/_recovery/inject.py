@@ -107,13 +107,13 @@ class Injector:
             change = {"temp_module": self.response(injection)}
         else:
             (size,) = injection.coefficients.values()
-            read = reading(self.record, effect, size, self.coefficients)
+            read = faulty_reading(self.record, effect, size, self.coefficients)
             change = {
                 name: np.nan_to_num(values - self.record[name])
                 for name, values in read.items()
             }
         for name, values in change.items():
-            add(data, labels[name], self.kept, values)
+            add_to_rows(data, labels[name], self.kept, values)
         return data
 
 
@@ -127,7 +127,9 @@ READS = {
 }
 
 
-def reading(record: Record, effect: Effect, change: float, coefficients: dict) -> dict:
+def faulty_reading(
+    record: Record, effect: Effect, change: float, coefficients: dict
+) -> dict:
     """Readings of a sensor whose fault has this coefficient, by its column."""
     name = READS[effect.sensor_fault]
     values, size = record[name], change * weights_of(effect, record.dates)
@@ -177,7 +179,9 @@ def whole_of(sensor_fault: str, coefficients: dict) -> Any:
     return {"irradiance_sensor": 1.0, "anemometer": u1}.get(sensor_fault)
 
 
-def add(data: pd.DataFrame, label: Any, rows: np.ndarray, values: np.ndarray) -> None:
+def add_to_rows(
+    data: pd.DataFrame, label: Any, rows: np.ndarray, values: np.ndarray
+) -> None:
     """
     Add to some rows of a column, in place.
 

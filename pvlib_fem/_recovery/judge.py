@@ -9,7 +9,7 @@ import pandas as pd
 from pvlib_fem._converter import AnyFloat
 from pvlib_fem._findings import Finding, Verdict
 from pvlib_fem._loop.close import close_loop
-from pvlib_fem._recovery.draw import Injection, holds
+from pvlib_fem._recovery.draw import Injection, holds_truth
 from pvlib_fem._renamed_effects import warn_of_new_name
 from pvlib_fem.effects._effect import Effect
 
@@ -117,12 +117,20 @@ def judged(injection: Injection, effect: Effect, loop: Any, baseline: tuple) -> 
     days = np.unique(loop.fit.record.dates)
     # effects of the baseline are never injected, so an ambiguous finding with the
     # injected effect counts as found, even if it also has an effect of the baseline
-    right = [f for f in added if holds(f, effect, effects, days)]
-    new = [f for f in added if f in right or not any(same(f, one) for one in before)]
+    right = [f for f in added if holds_truth(f, effect, effects, days)]
+    new = [
+        f
+        for f in added
+        if f in right or not any(share_candidate(f, one) for one in before)
+    ]
     others = [f for f in new if effect.name not in f.candidates]
     names = [f.effect for f in others if f.verdict is Verdict.IDENTIFIED]
-    sets = [words(f) for f in others if f.verdict is Verdict.AMBIGUOUS]
-    lost = [words(f) for f in before if not any(same(f, other) for other in added)]
+    sets = [candidates_text(f) for f in others if f.verdict is Verdict.AMBIGUOUS]
+    lost = [
+        candidates_text(f)
+        for f in before
+        if not any(share_candidate(f, other) for other in added)
+    ]
     sizes = {}
     if right and right[0].effect == effect.name:
         sizes = accuracy(right[0], injection.coefficients)
@@ -131,7 +139,9 @@ def judged(injection: Injection, effect: Effect, loop: Any, baseline: tuple) -> 
         found=bool(right),
         identified=any(f.verdict is Verdict.IDENTIFIED for f in right),
         first=bool(right) and right[0] is new[0],
-        reported=tuple(", ".join(filter(None, (words(f), f.place))) for f in new),
+        reported=tuple(
+            ", ".join(filter(None, (candidates_text(f), f.place))) for f in new
+        ),
         wrong=tuple(names),
         misled=tuple(sets),
         lost=tuple(lost),
@@ -139,12 +149,12 @@ def judged(injection: Injection, effect: Effect, loop: Any, baseline: tuple) -> 
     )
 
 
-def same(one: Finding, other: Finding) -> bool:
+def share_candidate(one: Finding, other: Finding) -> bool:
     """Whether two findings share a candidate."""
     return not {*one.candidates}.isdisjoint(other.candidates)
 
 
-def words(finding: Finding) -> str:
+def candidates_text(finding: Finding) -> str:
     return " | ".join(finding.candidates)
 
 

@@ -13,7 +13,7 @@ from pvlib_fem._loop.ranking import beyond
 from pvlib_fem._loop.refits import Fits, Step
 from pvlib_fem._loop.selection import Selection, selected
 from pvlib_fem._loop.threads import one_blas_thread
-from pvlib_fem._recovery.draw import Draw, drawn, same_days, with_ways
+from pvlib_fem._recovery.draw import Draw, dated_draws, same_days, with_ways
 from pvlib_fem._recovery.inject import readable
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.reasons import Because, Reason, because
@@ -52,7 +52,7 @@ def predictions(
     with one_blas_thread():
         fits = Fits(case)
         days = np.unique(case.record.dates[case.searched])
-        planned, why = drawn(
+        planned, why = dated_draws(
             effect, days, case.criteria.min_days_each_side, draws, seed
         )
         if why is not None:
@@ -66,7 +66,7 @@ def predictions(
         record = fits.ready["coarse"][1]
         design = Design.from_evidence(evidence, record, drivers=case.drivers)
         selection = Selection(design, case.criteria)
-        looks = [Look(selection, candidate(design, draw)) for draw in planned]
+        looks = [Look(selection, candidate_of(design, draw)) for draw in planned]
         for look in looks:
             if not look.seen:
                 return [], because(Reason.COLLINEAR)
@@ -86,7 +86,7 @@ def predictions(
         return drawn_sizes, None
 
 
-def candidate(design: Design, draw: Draw) -> Candidate:
+def candidate_of(design: Design, draw: Draw) -> Candidate:
     """A draw as a candidate of the design."""
     effect = draw.effect
     if effect.sensor_fault:
@@ -124,12 +124,14 @@ class Look:
         selection, choices = selected(design, self.selection.criteria)
         for choice in selection.with_members(choices):
             mine = choice.members.get(self.one.name)
-            if mine is not None and alike(mine.effect, self.one.effect, design.dates):
+            if mine is None:
+                continue
+            if on_same_days(mine.effect, self.one.effect, design.dates):
                 return True
         return False
 
 
-def alike(one: Effect, other: Any, days: np.ndarray) -> Any:
+def on_same_days(one: Effect, other: Any, days: np.ndarray) -> Any:
     """Whether two effects of a name are on about the same days, if they have any."""
     return not other.sensor_fault or same_days(other, one, days)
 

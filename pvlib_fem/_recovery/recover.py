@@ -26,7 +26,7 @@ from pvlib_fem._recovery.checkpoint import (
     with_outcome,
     with_trial,
 )
-from pvlib_fem._recovery.draw import Draw, chosen
+from pvlib_fem._recovery.draw import Draw, injectable_effects
 from pvlib_fem._recovery.inject import Injector
 from pvlib_fem._recovery.judge import recovered
 from pvlib_fem._recovery.predict import predictions
@@ -187,7 +187,9 @@ def recover_effects(
     how |= {"criteria": criteria}
     place = checked_place(location, surface_tilt, surface_azimuth, mount)
     data, place = with_given(data, place)
-    data = completed(data, place, transposition, stand_ins, check_units, criteria)
+    data = with_replacements(
+        data, place, transposition, stand_ins, check_units, criteria
+    )
     result = Recovery(
         given=said_all(effects, sizes, draws, seed, model, place, how),
         version=__version__,
@@ -197,7 +199,7 @@ def recover_effects(
         result = resumed(result, path)
     search, loop = searched(data, model, place, None, **how)
     wanted = (effects, sizes, draws, seed)
-    planned, notes = plan(search, loop, *wanted, processes, progress)
+    planned, notes = planned_injections(search, loop, *wanted, processes, progress)
     if not planned and not reliability:
         reasons = "; ".join(f"{name}: {why}" for name, why in notes.items())
         raise ValueError(f"there is nothing to put into this record: {reasons}")
@@ -231,7 +233,7 @@ def recover_effects(
     return result
 
 
-def completed(
+def with_replacements(
     data: pd.DataFrame,
     place: dict,
     transposition: Any,
@@ -248,7 +250,7 @@ def completed(
     return data.drop(columns=list(data)).assign(**filled.columns)
 
 
-def plan(
+def planned_injections(
     search: Search,
     loop: Loop,
     effects: Any,
@@ -262,7 +264,7 @@ def plan(
     step, injections = search.steps[loop.last], []
     if not len(sizes):
         return [], {}
-    ready, notes = chosen(search.case, loop, effects)
+    ready, notes = injectable_effects(search.case, loop, effects)
     if isinstance(sizes, Mapping):
         sizes = keys_in_new_names(sizes)
         if unknown := {*sizes} - {effect.name for effect in ready}:
@@ -278,11 +280,11 @@ def plan(
             if why is not None:
                 notes[effect.name] = str(why)
             for draw, *known in looks:
-                injections += sized(*[draw, *known, sizes, notes])
+                injections += injections_of_sizes(*[draw, *known, sizes, notes])
     return injections, notes
 
 
-def sized(
+def injections_of_sizes(
     draw: Draw, predicted: float, own: float, sizes: Sequence | dict, notes: dict
 ) -> Any:
     """Injections of a draw with all possible sizes."""

@@ -68,16 +68,18 @@ def by_effect(recovery: Any, table: pd.DataFrame) -> Iterator:
             str(name),
             str(len(part)),
             f"{part['predicted'].median():.3g} {unit}".strip(" -"),
-            middle(half.loc[name]) if name in half.index else "–",
-            counted(clear["found"]),
-            counted(clear["first"]),
-            share(sized["ratio"].median(), "{:.2f}"),
-            share((sized["ratio"] - sized["own"] / sized["size"]).median(), "{:.2f}"),
-            share(100.0 * part["covered"].mean(), "{:.0f} %"),
-            share(100.0 * part["in_range"].mean(), "{:.0f} %"),
+            half_found(half.loc[name]) if name in half.index else "–",
+            count_text(clear["found"]),
+            count_text(clear["first"]),
+            share_text(sized["ratio"].median(), "{:.2f}"),
+            share_text(
+                (sized["ratio"] - sized["own"] / sized["size"]).median(), "{:.2f}"
+            ),
+            share_text(100.0 * part["covered"].mean(), "{:.0f} %"),
+            share_text(100.0 * part["in_range"].mean(), "{:.0f} %"),
         )
         rows.append(row)
-    yield from aligned(rows)
+    yield from aligned_rows(rows)
 
 
 def in_scrambled(recovery: Any) -> Iterator:
@@ -110,21 +112,21 @@ def in_scrambled(recovery: Any) -> Iterator:
         rows.append(
             (
                 str(name),
-                interval(*complete, row["complete_to"]),
-                interval(*right, row["reliable_to"]),
+                share_with_interval(*complete, row["complete_to"]),
+                share_with_interval(*right, row["reliable_to"]),
                 "yes" if row["identified"] else "no",
             )
         )
-    yield from aligned(rows)
+    yield from aligned_rows(rows)
 
 
-def interval(count: Any, of: str, low: Any, high: Any) -> Any:
+def share_with_interval(count: Any, total: str, low: Any, high: Any) -> Any:
     """A share with its interval."""
     share = f"({100.0 * low:.0f} % to {100.0 * high:.0f} %)"
-    return f"{count} of {of} {share}" if of else "–"
+    return f"{count} of {total} {share}" if total else "–"
 
 
-def aligned(rows: list) -> Iterator:
+def aligned_rows(rows: list) -> Iterator:
     """Rows of a table, each column as wide as its widest cell."""
     wide = [max(map(len, column)) for column in zip(*rows)]
     for row in rows:
@@ -136,23 +138,23 @@ def in_all(table: pd.DataFrame) -> Iterator:
     clear = table[table["multiple"] >= CLEARLY - 1e-9]
     wrong = sorted({name for names in table["wrong"] for name in names})
     words = f" ({', '.join(wrong)})" if wrong else ""
-    hits = counted(clear["found"])
+    hits = count_text(clear["found"])
     yield f"found from {CLEARLY:g} × the predicted size on: {hits}"
-    yield f"with a wrong name: {counted(table['wrong'].map(bool))}{words}"
-    misled = counted(table["misled"].map(bool))
+    yield f"with a wrong name: {count_text(table['wrong'].map(bool))}{words}"
+    misled = count_text(table["misled"].map(bool))
     yield f"with an ambiguous finding without the true cause: {misled}"
     if refused := [why for why in table["refused"] if why]:
         yield f"refused by the loop: {len(refused)}, first: {refused[0]}"
 
 
-def middle(row: pd.Series) -> str:
+def half_found(row: pd.Series) -> str:
     """The size at which half are found, with its interval."""
     return f"{row['multiple']:.2f} × ({row['lower']:.2f} to {row['upper']:.2f})"
 
 
-def counted(flags: pd.Series) -> str:
+def count_text(flags: pd.Series) -> str:
     return f"{int(flags.sum())} of {len(flags)}"
 
 
-def share(value: float, form: str) -> str:
+def share_text(value: float, form: str) -> str:
     return form.format(value) if np.isfinite(value) else "–"

@@ -134,7 +134,7 @@ class Scrambler:
             values = record[labels[name]].to_numpy(dtype=float)
             there = np.where(rows < 0, np.nan, values[rows])
             record[labels[name]] = there
-            if alike(values, there, name in ANGLES) <= SAME:
+            if explained_share(values, there, name in ANGLES) <= SAME:
                 moved.append(name)
         return record, self.holdout, self.lost_without(moved), words
 
@@ -185,7 +185,7 @@ def labels_of(data: pd.DataFrame) -> Any:
     return {new: labels[old] for old, new in others.items() if old in labels} | labels
 
 
-def alike(one: Any, other: Any, angles: bool = False) -> Any:
+def explained_share(one: Any, other: Any, angles: bool = False) -> Any:
     """Share of a column's variance that the moved column explains. [-]"""
     known = np.isfinite(one) & np.isfinite(other)
     if known.sum() < 3:

@@ -130,7 +130,7 @@ def false_names(trials: Any) -> Any:
         rows.append(len(mine))
     if not rows or not min(rows):
         return np.nan, (0.0, np.inf)
-    mean = sum(count / of for count, of in zip(counts, rows))
+    mean = sum(count / total for count, total in zip(counts, rows))
     return mean, rate_between(sum(counts), min(rows))
 
 
@@ -167,17 +167,17 @@ def rates(outcomes: Any, trials: Any, baseline: tuple) -> Any:
         right = len(mine) - false
         table.loc[name] = (
             name in sure,
-            *shares(sum(clear), len(clear)),
+            *share_with_ends(sum(clear), len(clear)),
             len(mine),
             false,
-            *shares(right, len(mine))[2:],
+            *share_with_ends(right, len(mine))[2:],
         )
     kinds = dict.fromkeys(COLUMNS, float) | {"identified": bool}
     return table.astype(kinds | dict.fromkeys(COUNTS, int))
 
 
-def shares(count: Any, of: Any) -> Any:
+def share_with_ends(count: Any, total: Any) -> Any:
     """Number of trials, count, share, and the ends of its interval."""
-    if not of:
+    if not total:
         return 0, 0, np.nan, np.nan, np.nan
-    return of, count, count / of, *share_between(count, of)
+    return total, count, count / total, *share_between(count, total)

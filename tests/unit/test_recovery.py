@@ -14,11 +14,11 @@ import pvlib_fem as fem
 from pvlib_fem._cli import main
 from pvlib_fem._findings import Finding, Verdict
 from pvlib_fem._loop.close import searched
-from pvlib_fem._recovery.draw import Draw, Injection, drawn
+from pvlib_fem._recovery.draw import Draw, Injection, dated_draws
 from pvlib_fem._recovery.inject import Injector, readable
 from pvlib_fem._recovery.judge import judged
 from pvlib_fem._recovery.predict import threshold
-from pvlib_fem._recovery.recover import SIZES, plan
+from pvlib_fem._recovery.recover import SIZES, planned_injections
 from pvlib_fem._recovery.recovery_result import Recovery, middle_of
 from pvlib_fem.effects import find
 from pvlib_fem.effects._time_profiles import weights_of, written
@@ -229,15 +229,15 @@ def test_what_cannot_be_put_in_is_said(record):
 def test_draws_differ_by_seed_and_not_by_what_else_is_put_in(record, done):
     search, loop = done
     names = ["module_sensor_contact_step", "sky_radiation"]
-    first, _ = plan(search, loop, names[:1], [1.0], 1, 0)
-    both, _ = plan(search, loop, names, [1.0], 2, 0)
+    first, _ = planned_injections(search, loop, names[:1], [1.0], 1, 0)
+    both, _ = planned_injections(search, loop, names, [1.0], 2, 0)
     assert [one.key for one in first] == [one.key for one in both][:1]
     assert len({one.dates for one in both if one.dates}) == 2
     # an effect without date and sign is there once
     assert [one.effect for one in both].count("sky_radiation") == 1
     days = np.unique(search.case.record.dates[search.case.searched])
     steps = [
-        drawn(find("module_sensor_contact_step"), days, 21, 3, seed)[0]
+        dated_draws(find("module_sensor_contact_step"), days, 21, 3, seed)[0]
         for seed in (0, 1)
     ]
     assert len({draw.effect.settings["at"] for some in steps for draw in some}) > 3

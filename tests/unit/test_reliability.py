@@ -18,9 +18,9 @@ from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._recovery.draw import Injection
 from pvlib_fem._recovery.inject import Injector
 from pvlib_fem._recovery.judge import Outcome
-from pvlib_fem._recovery.recover import plan
+from pvlib_fem._recovery.recover import planned_injections
 from pvlib_fem._recovery.recovery_result import Recovery
-from pvlib_fem._recovery.scramble import Scrambler, alike
+from pvlib_fem._recovery.scramble import Scrambler, explained_share
 from pvlib_fem._recovery.trial import Trial, false_names, false_of
 from pvlib_fem._statistics.jeffreys import rate_between, share_between
 from pvlib_fem.simulator import RHINE
@@ -72,7 +72,7 @@ def test_the_record_itself_shows_both(done):
 def test_what_the_model_has_without_findings_is_not_put_in(done):
     search, loop = done
     assert "radiative_loss" in {effect.name for effect in loop.fit.effects}
-    planned, notes = plan(search, loop, ["radiative_loss"], [1.0], 1, 0)
+    planned, notes = planned_injections(search, loop, ["radiative_loss"], [1.0], 1, 0)
     assert not planned
     assert notes == {"radiative_loss": "the model without findings has it"}
 
@@ -172,12 +172,16 @@ def test_likeness_is_of_angles_on_the_circle():
     random = np.random.default_rng(0)
     angle = random.uniform(0, 360, 4000)
     turned = (angle + 90.0) % 360.0
-    assert alike(angle, turned, angles=True) == pytest.approx(1.0)
-    assert alike(angle, random.permutation(angle), angles=True) < 0.01
+    assert explained_share(angle, turned, angles=True) == pytest.approx(1.0)
+    assert explained_share(angle, random.permutation(angle), angles=True) < 0.01
     values = random.normal(size=4000)
     mixed = values + random.normal(size=4000)
-    assert alike(values, mixed) == pytest.approx(0.5, abs=0.05)
-    assert alike(values, np.full(4000, np.nan)) == alike(values, 0.0 * values) == 0.0
+    assert explained_share(values, mixed) == pytest.approx(0.5, abs=0.05)
+    assert (
+        explained_share(values, np.full(4000, np.nan))
+        == explained_share(values, 0.0 * values)
+        == 0.0
+    )
 
 
 def finding(verdict, *candidates, added=True):
