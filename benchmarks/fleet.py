@@ -23,7 +23,7 @@ from study_instruments import changed
 from study_worlds import site as drawn_site
 
 from pvlib_fem import close_loop, fleet, read_file, simulator
-from pvlib_fem.fleet._shared import STATIONS, shared
+from pvlib_fem.fleet._shared import STATIONS, shared_causes
 
 A_SITE = 10  # systems of one
 #: of a station and of a module: channel and size, or switch and amplitude; the names
@@ -140,7 +140,7 @@ def findings_of(results, truth):
             mine = {n: c for n, c in asked.items() if c[0] == channel}
             found = sum(bool(names.get(n, set()) & c[2]) for n, c in mine.items())
             yield f"{channel} of the {kind}", f"{found} of {len(mine)}"
-    groups = shared(results.systems, findings)
+    groups = shared_causes(results.systems, findings)
     changed_sites = {
         row["site"]: truth[row["id"]][0]
         for row in results.systems.to_dict("records")

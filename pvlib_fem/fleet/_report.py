@@ -24,7 +24,7 @@ from pvlib_fem._report.formatting import number, rounded
 from pvlib_fem._report.page_parts import heading
 from pvlib_fem._stored import saved
 from pvlib_fem.fleet._results import Results
-from pvlib_fem.fleet._shared import Shared, few, shared
+from pvlib_fem.fleet._shared import Shared, few_names, shared_causes
 from pvlib_fem.fleet._store import page_path, put_page
 from pvlib_fem.fleet._system_work import title_of
 from pvlib_fem.fleet._tasks import CLOCK, TASKS
@@ -79,7 +79,8 @@ def report(
         section("What was found", by_effect(systems, findings)),
         section("What systems of a site share", by_site(systems, findings, pages)),
         section(
-            f"Coefficients by {by}", coefficients(systems, results.coefficients, by)
+            f"Coefficients by {by}",
+            coefficient_table(systems, results.coefficients, by),
         ),
     ]
     return saved(document(" · ".join(filter(None, [title, words])), parts), path)
@@ -148,7 +149,7 @@ def to_visit(systems: pd.DataFrame, pages: Pages) -> Table:
     unit = "kWh a year" if known else "kWh/kWp a year"
     head = ("system", "site", f"#energy error [{unit}]", "#before [% of yield]")
     head += ("#after [% of yield]",)
-    return shortened(
+    return shortened_table(
         (*head, "#RMSE before [K]", "#RMSE after [K]", "found"),
         lines,
         len(rows),
@@ -171,7 +172,7 @@ def clock_faults(findings: pd.DataFrame, pages: Pages) -> Paragraph | Table:
     words = (
         "A fault that is not corrected can falsify all other findings of its system."
     )
-    return shortened(head, rows, len(faults), words, wraps=True)
+    return shortened_table(head, rows, len(faults), words, wraps=True)
 
 
 def by_effect(systems: pd.DataFrame, findings: pd.DataFrame) -> Paragraph | Table:
@@ -195,21 +196,21 @@ def by_effect(systems: pd.DataFrame, findings: pd.DataFrame) -> Paragraph | Tabl
                     f"{len(sites):,}",
                     number(gain.median()),
                     number(gain.max()),
-                    few(sites),
+                    few_names(sites),
                 ),
             )
         )
     rows.sort(key=lambda row: row[0])
     head = ("effect", "verdict", "#systems", "#share [%]", "#sites")
     head += ("#median gain [K]", "#largest gain [K]")
-    return shortened((*head, "where"), [row for _, row in rows], len(rows))
+    return shortened_table((*head, "where"), [row for _, row in rows], len(rows))
 
 
 def by_site(
     systems: pd.DataFrame, findings: pd.DataFrame, pages: Pages
 ) -> Paragraph | Table:
     """Table of causes that systems of a site share, or that one has alone."""
-    groups = shared(systems, findings) if len(findings) else []
+    groups = shared_causes(systems, findings) if len(findings) else []
     if not groups:
         return paragraph(
             "No site has several systems with findings. Systems with the same value in "
@@ -218,16 +219,16 @@ def by_site(
     lines = [
         (
             group.site,
-            few(group.candidates, " or ", " or "),
+            few_names(group.candidates, " or ", " or "),
             group.words,
-            dates(group),
+            dates_of_group(group),
             number(float(np.median([*group.systems.values()]))),
             pages[min(group.systems, key=lambda one: (-group.systems[one], one))],
         )
         for group in groups[:SHOWN]
     ]
     head = ("site", "cause", "in how many", "when", "#median gain [K]", "clearest in")
-    return shortened(
+    return shortened_table(
         head,
         lines,
         len(groups),
@@ -238,14 +239,14 @@ def by_site(
     )
 
 
-def dates(group: Shared) -> str:
+def dates_of_group(group: Shared) -> str:
     if group.first is None:
         return ""
     same = group.first == group.last
     return group.first if same else f"{group.first} to {group.last}"
 
 
-def coefficients(
+def coefficient_table(
     systems: pd.DataFrame, values: pd.DataFrame, by: str
 ) -> Paragraph | Table:
     """Table of the spread of each coefficient, by a label."""
@@ -257,14 +258,14 @@ def coefficients(
     for (label, name), some in own.groupby(["by", "coefficient"], sort=True):
         low, middle, high = some["value"].quantile([0.1, 0.5, 0.9])
         error = some["stderr"].median()
-        cells = (*map(digits, (low, middle, high)), rounded(error))
+        cells = (*map(four_digits, (low, middle, high)), rounded(error))
         count = f"{len(some):,}"
         lines.append((label or "not given", name, some["unit"].iloc[0], count, *cells))
     if not lines:
         return paragraph("No coefficients: no system was done.")
     head = (by, "coefficient", "unit", "#systems", "#10 %", "#median", "#90 %")
     words = "" if by in labels else f" The table of systems has no column {by}."
-    return shortened(
+    return shortened_table(
         (*head, "#median ±"),
         lines,
         len(lines),
@@ -273,7 +274,7 @@ def coefficients(
     )
 
 
-def digits(value: float) -> str:
+def four_digits(value: float) -> str:
     """Four digits, without an exponent."""
     return f"{value:,.0f}" if abs(value) >= 1e4 else f"{value:.4g}"
 
@@ -285,13 +286,13 @@ def failures(systems: pd.DataFrame) -> Block | list[Block]:
         return paragraph("Nothing.")
     groups = failed.groupby("message", sort=False)["id"].apply(list)
     groups = sorted(groups.items(), key=lambda pair: (-len(pair[1]), pair[0]))
-    shown = [(few(names), str(message)) for message, names in groups[:SHOWN]]
+    shown = [(few_names(names), str(message)) for message, names in groups[:SHOWN]]
     more = len(groups) - len(shown)
     rest = paragraph(f"{more:,} other messages are in systems.parquet.", "soft")
     return [listed(shown), *[rest] * (more > 0)]
 
 
-def shortened(
+def shortened_table(
     head: Sequence[str],
     rows: Sequence[Sequence[str | Link]],
     total: int,

@@ -11,9 +11,9 @@ import pandas as pd
 from pvlib_fem._loop.progress import counting
 from pvlib_fem.fleet._engine import client_of, on_dask, serial
 from pvlib_fem.fleet._results import Results
-from pvlib_fem.fleet._store import compact
+from pvlib_fem.fleet._store import write_tables
 from pvlib_fem.fleet._system_work import Work
-from pvlib_fem.fleet._systems_table import opened, systems_of
+from pvlib_fem.fleet._systems_table import opened_table, systems_of
 from pvlib_fem.fleet._tasks import TASKS, check_task
 from pvlib_fem.types import FilePath
 
@@ -103,8 +103,8 @@ def run(
     --------
     See :doc:`/guide/fleet`.
     """
-    check(task, pages, options)
-    table = opened(systems)
+    check_options(task, pages, options)
+    table = opened_table(systems)
     for system in systems_of(table):  # refuses wrong rows before the work
         del system
     out = Path(out).absolute()
@@ -124,13 +124,13 @@ def run(
                 show(answer)
     except KeyboardInterrupt:
         with suppress(OSError):
-            compact(out, table, task)
+            write_tables(out, table, task)
         raise
-    compact(out, table, task)
+    write_tables(out, table, task)
     return Results(out)
 
 
-def check(task: str, pages: bool, options: Mapping[str, Any]) -> None:
+def check_options(task: str, pages: bool, options: Mapping[str, Any]) -> None:
     """Refuse options that no system could use, before the work."""
     check_task(task, options)
     if missing := [name for name in NEEDED if find_spec(name) is None]:

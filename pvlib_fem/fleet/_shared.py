@@ -139,7 +139,7 @@ class Shared:
     @property
     def words(self) -> str:
         """Number of systems with the cause, and the suspected component."""
-        some = f" ({few(self.likely, ' or ', ' or ')})" if self.likely else ""
+        some = f" ({few_names(self.likely, ' or ', ' or ')})" if self.likely else ""
         more = f", and perhaps {len(self.maybe)} more" if self.maybe else ""
         tested = self.have + len(self.without) + len(self.maybe)
         if self.alone:
@@ -157,7 +157,7 @@ class Shared:
         return f"{count}: suspect the station{some}"
 
 
-def shared(systems: pd.DataFrame, findings: pd.DataFrame) -> list[Shared]:
+def shared_causes(systems: pd.DataFrame, findings: pd.DataFrame) -> list[Shared]:
     """
     Causes of each site that has more systems than one.
 
@@ -185,17 +185,18 @@ def shared(systems: pd.DataFrame, findings: pd.DataFrame) -> list[Shared]:
         if len(members) < 2 or site not in rows:
             continue
         mine = [SystemFinding.from_row(row) for row in rows[site].to_dict("records")]
-        groups = grouped(str(site), mine)
+        groups = grouped_by_cause(str(site), mine)
         weighed = {
-            row["id"]: weights(row["weighed"]) for row in members.to_dict("records")
+            row["id"]: gains_by_effect(row["weighed"])
+            for row in members.to_dict("records")
         }
         for group in groups:
             group.check(weighed, mine)
         causes += groups
-    return sorted(causes, key=order)
+    return sorted(causes, key=order_of_group)
 
 
-def grouped(site: str, findings: Sequence[SystemFinding]) -> list[Shared]:
+def grouped_by_cause(site: str, findings: Sequence[SystemFinding]) -> list[Shared]:
     """Findings of a site, grouped by cause."""
     groups: list[Shared] = []
     for one in findings:
@@ -212,7 +213,7 @@ def sensor_faults(names: Iterable[str]) -> set[str]:
     return {CHANGES[name].sensor_fault if name in CHANGES else name for name in names}
 
 
-def few(names: Iterable[str], apart: str = ", ", last: str = " and ") -> str:
+def few_names(names: Iterable[str], apart: str = ", ", last: str = " and ") -> str:
     """
     The first of some names, and the number of further names.
 
@@ -234,7 +235,7 @@ def few(names: Iterable[str], apart: str = ", ", last: str = " and ") -> str:
     return apart.join(names[:FEW]) + (f"{last}{more:,} more" if more > 0 else "")
 
 
-def weights(text: str | None) -> dict[str, tuple[float, float]]:
+def gains_by_effect(text: str | None) -> dict[str, tuple[float, float]]:
     """Known gains and minimum detectable gains by effect."""
     pairs = json.loads(text) if isinstance(text, str) else {}
     known = {}
@@ -244,6 +245,6 @@ def weights(text: str | None) -> dict[str, tuple[float, float]]:
     return known
 
 
-def order(group: Shared) -> tuple[bool, bool, bool, float, str]:
+def order_of_group(group: Shared) -> tuple[bool, bool, bool, float, str]:
     named = bool(group.likely)
     return not named, not group.everywhere, not group.alone, -group.largest, group.site

@@ -67,7 +67,7 @@ def page_path(out: FilePath, identity: str) -> Path:
     return Path(out, "pages", f"{name_of(identity)}.html")
 
 
-def keep(
+def write_result(
     out: FilePath,
     identity: str,
     head: Mapping[str, Any],
@@ -89,7 +89,7 @@ def keep(
     content = {**plain({"fleet": {"id": identity, **head}}), **(result or NONE)}
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        saved(text(content) + "\n", path)
+        saved(json_text(content) + "\n", path)
     except OSError as error:
         raise OSError(
             f"the result of system {identity} cannot be written to {out} "
@@ -98,7 +98,7 @@ def keep(
         ) from error
 
 
-def kept(out: FilePath, identity: str) -> dict[str, Any] | None:
+def stored_content(out: FilePath, identity: str) -> dict[str, Any] | None:
     """
     Content of a system's file.
 
@@ -146,7 +146,7 @@ def put_page(out: FilePath, identity: str, html: str | None) -> None:
     saved(html, path)
 
 
-def compact(out: FilePath, table: pd.DataFrame, task: str) -> dict[str, int]:
+def write_tables(out: FilePath, table: pd.DataFrame, task: str) -> dict[str, int]:
     """
     Make the tables of all results; a failed write leaves the old tables.
 
@@ -178,14 +178,16 @@ def compact(out: FilePath, table: pd.DataFrame, task: str) -> dict[str, int]:
 
         def flush() -> None:
             for name, writer in writers.items():
-                typed = [finite(row, schemas[name]) for row in rows[name]]
+                typed = [with_infinities(row, schemas[name]) for row in rows[name]]
                 batch = pa.Table.from_pylist(typed, schema=schemas[name])
                 writer.write_table(batch)
                 rows[name].clear()
 
         try:
             for i, system in enumerate(systems_of(table), 1):
-                state = taken(rows, system, kept(out, system.id), task)
+                state = append_result(
+                    rows, system, stored_content(out, system.id), task
+                )
                 counts[state] += 1
                 if i % GROUP == 0:
                     flush()
@@ -218,7 +220,7 @@ def schemas_of(table: pd.DataFrame) -> "dict[str, Schema]":
     }
 
 
-def taken(
+def append_result(
     rows: Mapping[str, list[dict[str, Any]]],
     system: System,
     content: dict[str, Any] | None,
@@ -236,18 +238,18 @@ def taken(
     row |= {name: head[name] for name in ("state", "message")}
     if content and head["state"] == "done":
         result = {name: part for name, part in content.items() if name != "fleet"}
-        row["json"] = text(result)
+        row["json"] = json_text(result)
     rows["systems"].append(row)
     for one in head.get("coefficients", ()):
         rows["coefficients"].append({"id": system.id, **one})
     for one in head.get("findings", ()):
-        json_ = text(one["content"]) if "content" in one else None
+        json_ = json_text(one["content"]) if "content" in one else None
         head_ = {"id": system.id, "site": system.labels["site"], "json": json_}
         rows["findings"].append({**one, **head_})
     return head["state"]
 
 
-def finite(row: Mapping[str, Any], schema: "Schema") -> dict[str, Any]:
+def with_infinities(row: Mapping[str, Any], schema: "Schema") -> dict[str, Any]:
     """A row with infinities as numbers instead of texts."""
     kinds = {name: str(schema.field(name).type) for name in schema.names}
     return {
@@ -258,5 +260,5 @@ def finite(row: Mapping[str, Any], schema: "Schema") -> dict[str, Any]:
     }
 
 
-def text(content: Any) -> str:
+def json_text(content: Any) -> str:
     return json.dumps(content, ensure_ascii=False, allow_nan=False)

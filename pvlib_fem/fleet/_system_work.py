@@ -16,7 +16,7 @@ from pvlib_fem._record.logger_files import frame
 from pvlib_fem._spelling import written_argument
 from pvlib_fem._stored import plain, stamped
 from pvlib_fem.drivers._record_site import in_local_days, site_of
-from pvlib_fem.fleet._store import keep, kept, page_path, put_page
+from pvlib_fem.fleet._store import page_path, put_page, stored_content, write_result
 from pvlib_fem.fleet._systems_table import PLACE, System
 from pvlib_fem.fleet._tasks import TASKS
 
@@ -60,10 +60,10 @@ class Work:
         content = page = None
         with TemporaryDirectory(ignore_cleanup_errors=True) as folder:
             try:
-                groups = [listed(file) for file in system.files]
+                groups = [matching_paths(file) for file in system.files]
                 head["key"] = self.key(system, groups)
                 if self.resume and (before := self.before(system, head["key"])):
-                    return answer(system, before, True)
+                    return answer_of_worker(system, before, True)
                 head |= {"state": "done", "message": ""}
                 with one_blas_thread():
                     result = self.result(system, groups, folder)
@@ -79,8 +79,8 @@ class Work:
             except Exception as error:  # an error of one system stops no other
                 head, content = failure(head, error), None
         put_page(self.out, system.id, page)
-        keep(self.out, system.id, head, content)
-        return answer(system, head)
+        write_result(self.out, system.id, head, content)
+        return answer_of_worker(system, head)
 
     def ended(self, system: System, error: Exception) -> dict:
         """The answer of a system that ended every worker that took it."""
@@ -89,12 +89,12 @@ class Work:
             f"memory than a worker has: {' '.join(str(error).split())}"
         )
         head = {"key": "", "task": self.task, "state": "failed", "message": words}
-        keep(self.out, system.id, head)
-        return answer(system, head)
+        write_result(self.out, system.id, head)
+        return answer_of_worker(system, head)
 
     def before(self, system: System, key: str) -> dict[str, Any] | None:
         """The stored result with this key, if its page is there, too."""
-        content = kept(self.out, system.id)
+        content = stored_content(self.out, system.id)
         if content is None or content["fleet"]["key"] != key:
             return None
         head = content["fleet"]
@@ -120,7 +120,7 @@ class Work:
 
     def result(self, system: System, groups: Groups, folder: str) -> Any:
         """The result of the task."""
-        data = loaded(system, groups, folder)
+        data = frame_of_system(system, groups, folder)
         place = [system.place.get(name) for name in PLACE]
         data = in_local_days(data, place[1], system.layout.get("tz"))
         site = site_of(pd.DatetimeIndex(data.index), *place, **system.tracker)
@@ -161,7 +161,7 @@ def failure(head: Mapping[str, Any], error: Exception) -> dict[str, Any]:
     return {"key": key, "task": head["task"], "state": "failed", "message": words}
 
 
-def answer(
+def answer_of_worker(
     system: System, head: Mapping[str, Any], kept: bool = False
 ) -> dict[str, Any]:
     """The answer of a worker."""
@@ -169,7 +169,7 @@ def answer(
     return {"id": system.id, **state, "kept": kept}
 
 
-def listed(file: str) -> "tuple[AbstractFileSystem, list[str]]":
+def matching_paths(file: str) -> "tuple[AbstractFileSystem, list[str]]":
     """The file system of a path, pattern or URL, and the paths that match."""
     from fsspec.core import url_to_fs
 
@@ -181,12 +181,12 @@ def listed(file: str) -> "tuple[AbstractFileSystem, list[str]]":
     return disk, paths
 
 
-def loaded(system: System, groups: Groups, folder: str) -> pd.DataFrame:
+def frame_of_system(system: System, groups: Groups, folder: str) -> pd.DataFrame:
     """The frame of a system; remote files are copied to this machine."""
     local = []
     for i, (disk, paths) in enumerate(groups):
         folders = [Path(folder, f"{i}-{j}") for j in range(len(paths))]
-        local.append([here(disk, *both) for both in zip(paths, folders)])
+        local.append([local_path(disk, *both) for both in zip(paths, folders)])
     layout = Layout(**system.layout)
     reading = dict(system.reading)
     data = frame(
@@ -202,7 +202,7 @@ def loaded(system: System, groups: Groups, folder: str) -> pd.DataFrame:
     return data
 
 
-def here(disk: "AbstractFileSystem", path: str, folder: Path) -> Path:
+def local_path(disk: "AbstractFileSystem", path: str, folder: Path) -> Path:
     """Path of a file on this machine; a remote file is copied to ``folder``."""
     from fsspec.implementations.local import LocalFileSystem
 

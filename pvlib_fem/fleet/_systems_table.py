@@ -101,7 +101,7 @@ class System:
     tracker: dict[str, Any] = field(default_factory=dict)
 
 
-def opened(systems: pd.DataFrame | FilePath) -> pd.DataFrame:
+def opened_table(systems: pd.DataFrame | FilePath) -> pd.DataFrame:
     """
     The table as text and numbers, in the order of its ids.
 
@@ -155,7 +155,9 @@ def opened(systems: pd.DataFrame | FilePath) -> pd.DataFrame:
         raise ValueError(f"the table of systems has the column {twice!r} twice")
     if len(table) == 0:
         raise ValueError("the table of systems has no row")
-    ids = table["id"].map(lambda value: "" if empty(value) else str(value).strip())
+    ids = table["id"].map(
+        lambda value: "" if is_empty_cell(value) else str(value).strip()
+    )
     if (ids == "").any():
         row = int((ids == "").to_numpy().argmax())
         raise ValueError(f"the system in row {row} has no id; give each one its own")
@@ -189,7 +191,7 @@ def systems_of(table: pd.DataFrame) -> Iterator[System]:
     names, folder = list(table.columns), table.attrs["folder"]
     labels = labels_of(table)
     for values in table.itertuples(index=False, name=None):
-        row = {n: v for n, v in zip(names, values) if not empty(v)}
+        row = {n: v for n, v in zip(names, values) if not is_empty_cell(v)}
         try:
             yield system_of(row, labels, folder)
         except ValueError as error:
@@ -219,11 +221,15 @@ def system_of(row: Mapping[str, Any], labels: Iterable[str], folder: str) -> Sys
     if "file" not in row:
         raise ValueError("it has no file")
     place, tracker = (
-        {name: number(row[name], name, *ends) for name, ends in some if name in row}
+        {
+            name: cell_number(row[name], name, *ends)
+            for name, ends in some
+            if name in row
+        }
         for some in (PLACE.items(), TRACKER.items())
     )
     if "backtrack" in row:
-        tracker["backtrack"] = truth(row["backtrack"], "backtrack")
+        tracker["backtrack"] = cell_flag(row["backtrack"], "backtrack")
     if tracker and "surface_tilt" in place:
         raise ValueError(
             f"it has surface_tilt and {min(tracker)}; leave out the one of a fixed "
@@ -237,15 +243,15 @@ def system_of(row: Mapping[str, Any], labels: Iterable[str], folder: str) -> Sys
             (other,) = {*pair} - {*given}
             raise ValueError(f"it has {given[0]} and no {other}")
     layout: dict[str, Any] = {
-        name: laid(name, row[name]) for name in LAYOUT if name in row
+        name: layout_field(name, row[name]) for name in LAYOUT if name in row
     }
     if "tz" in layout:
         zoned(pd.DatetimeIndex([]), layout["tz"])  # refuses an unknown zone
     reading: dict[str, Any] = {
-        name: truth(row[name], name) for name in READING[:2] if name in row
+        name: cell_flag(row[name], name) for name in READING[:2] if name in row
     }
     if "module_area" in row:
-        reading["module_area"] = number(row["module_area"], "module_area", 0.0)
+        reading["module_area"] = cell_number(row["module_area"], "module_area", 0.0)
     model = str(row.get("steady_model", "")).strip()
     if model:
         steady_model(model)  # refuses an unknown model
@@ -256,39 +262,39 @@ def system_of(row: Mapping[str, Any], labels: Iterable[str], folder: str) -> Sys
     }
     return System(
         id=row["id"],
-        files=tuple(whole(file, folder) for file in parts(row["file"])),
+        files=tuple(absolute_path(file, folder) for file in cell_texts(row["file"])),
         columns={name: str(row[cell]) for name, cell in CELLS.items() if cell in row},
         units={name: unit_of(name, unit) for name, unit in units.items()},
         layout=layout,
         reading=reading,
         place=place,
-        pdc0=number(row.get("pdc0", np.nan), "pdc0", 0.0),
+        pdc0=cell_number(row.get("pdc0", np.nan), "pdc0", 0.0),
         labels={name: str(row.get(name, "")) for name in labels},
         steady_model=model,
         tracker=tracker,
     )
 
 
-def empty(value: Any) -> bool:
+def is_empty_cell(value: Any) -> bool:
     """Whether a cell is empty."""
     if value is None or (isinstance(value, str) and not value.strip()):
         return True
     return bool(np.ndim(value) == 0 and pd.isna(value))
 
 
-def parts(value: Any) -> list[str]:
+def cell_texts(value: Any) -> list[str]:
     """The texts of a cell."""
     if isinstance(value, str):
         return [part.strip() for part in value.split(BETWEEN)]
     return [str(value)] if np.ndim(value) == 0 else [str(part) for part in value]
 
 
-def whole(file: str, folder: str) -> str:
+def absolute_path(file: str, folder: str) -> str:
     """An absolute path; a URL is returned as it is."""
     return file if "://" in file or "::" in file else str(Path(folder, file))
 
 
-def number(
+def cell_number(
     value: Any, name: str, least: float = -np.inf, most: float = np.inf
 ) -> float:
     """The number of a cell, checked by its range."""
@@ -301,7 +307,7 @@ def number(
     return parsed
 
 
-def truth(value: Any, name: str) -> bool:
+def cell_flag(value: Any, name: str) -> bool:
     """The boolean of a cell."""
     word = str(value).strip().lower().removesuffix(".0")
     if word not in TRUE + FALSE:
@@ -309,14 +315,14 @@ def truth(value: Any, name: str) -> bool:
     return word in TRUE
 
 
-def laid(name: str, value: Any) -> str | bool | int | tuple:
+def layout_field(name: str, value: Any) -> str | bool | int | tuple:
     """A field of the layout, from its cell."""
     if name in ("time", "missing", "keep"):
-        return tuple(parts(value))
+        return tuple(cell_texts(value))
     if name in ("sort", "drop_doubled", "drop_untimed"):
-        return truth(value, name)
+        return cell_flag(value, name)
     if name == "skip_rows" and isinstance(value, str) and "," in value:
-        return tuple(int(number(n, name, 0)) for n in value.strip(", ").split(","))
+        return tuple(int(cell_number(n, name, 0)) for n in value.strip(", ").split(","))
     if name in ("skip_rows", "skip_end", "header_rows"):
-        return int(number(value, name, int(name == "header_rows")))
+        return int(cell_number(value, name, int(name == "header_rows")))
     return "\t" if value == r"\t" else str(value)

@@ -108,7 +108,7 @@ def row_of_fit(fit: FemFit) -> dict[str, Any]:
     seen = present(fit.residual).where(rows)
     energy = scores.energy_error(poa, seen, 0.0 * seen)
     return {
-        **about(fit),
+        **record_facts(fit),
         "rmse_before": errors.get("filter", errors.iloc[0]),
         "rmse_after": errors.iloc[-1],
         "energy_error_after": energy.performance_ratio,
@@ -121,7 +121,7 @@ def row_of_loop(loop: Loop) -> dict[str, Any]:
     end = "test" if loop.fit.test_days else "train"
     before, after = loop.table.loc[loop.base], loop.table.loc[loop.last]
     return {
-        **about(loop.fit),
+        **record_facts(loop.fit),
         "rmse_before": before[f"rmse_{end}"],
         "rmse_after": after[f"rmse_{end}"],
         "energy_error_before": before["energy_error_test"],
@@ -141,7 +141,7 @@ def weighed_of(loop: Loop) -> str:
     return json.dumps(plain(gains))
 
 
-def about(fit: FemFit) -> dict[str, Any]:
+def record_facts(fit: FemFit) -> dict[str, Any]:
     """Size and times of the record, the form of the model, and insolation per year."""
     size, record = fit.summary, present(fit.record)
     poa = pd.Series(record["poa_global"], record.index)
@@ -286,14 +286,14 @@ def baseline_of(recovery: Recovery) -> list[dict[str, Any]]:
     return [of_finding(finding, {}) for finding in recovery.baseline]
 
 
-def nothing(result: object) -> list[dict[str, Any]]:
+def no_rows(result: object) -> list[dict[str, Any]]:
     """No rows: a fit has no findings."""
     return []
 
 
 #: every task by its name
 TASKS = {
-    "fit": Task(fit_fem, fit_frame, row_of_fit, coefficients_of, nothing, FemFit, FIT),
+    "fit": Task(fit_fem, fit_frame, row_of_fit, coefficients_of, no_rows, FemFit, FIT),
     "loop": Task(
         close_loop,
         close_loop,

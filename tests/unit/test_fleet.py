@@ -23,9 +23,9 @@ import pvlib_fem as fem
 from pvlib_fem import _cli as cli, _stored as stored, fleet, simulator
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem.fleet import _store as store
-from pvlib_fem.fleet._shared import few, shared
+from pvlib_fem.fleet._shared import few_names, shared_causes
 from pvlib_fem.fleet._store import TABLES, page_path, result_path
-from pvlib_fem.fleet._systems_table import opened, systems_of
+from pvlib_fem.fleet._systems_table import opened_table, systems_of
 
 SITE = fem.simulator.RHINE
 
@@ -382,11 +382,11 @@ def test_a_wrong_cell_is_refused_before_any_work(cells, words, tmp_path):
 
 def test_a_table_needs_its_columns_and_each_id_once(tmp_path):
     with pytest.raises(ValueError, match="no column 'file'"):
-        opened(pd.DataFrame({"id": ["a"]}))
+        opened_table(pd.DataFrame({"id": ["a"]}))
     with pytest.raises(ValueError, match="'a' comes twice"):
-        opened(pd.DataFrame({"id": ["a", "a "], "file": ["x", "y"]}))
+        opened_table(pd.DataFrame({"id": ["a", "a "], "file": ["x", "y"]}))
     with pytest.raises(ValueError, match="no row"):
-        opened(pd.DataFrame({"id": [], "file": []}))
+        opened_table(pd.DataFrame({"id": [], "file": []}))
     one = pd.DataFrame({"id": ["a"], "file": ["x"]})
     with pytest.raises(
         ValueError, match="unknown task 'dance'; there are fit, loop, recover"
@@ -398,7 +398,7 @@ def test_a_table_needs_its_columns_and_each_id_once(tmp_path):
 
 @given(st.lists(st.text(min_size=1).filter(str.strip), unique_by=str.strip, min_size=1))
 def test_whatever_ids_are_each_has_a_file_of_its_own(ids):
-    table = opened(pd.DataFrame({"id": ids, "file": "x"}))
+    table = opened_table(pd.DataFrame({"id": ids, "file": "x"}))
     systems = list(systems_of(table))
     names = [store.name_of(system.id) for system in systems]
     assert len({name.casefold() for name in names}) == len(ids)
@@ -432,7 +432,7 @@ def test_what_all_have_at_one_time_is_the_stations_and_what_one_has_its_modules(
     systems, findings = rows_of(
         *((name, LOSES, 0.5, MARCH) for name in "abc"), ("b", LOSES, 0.4, MAY)
     )
-    station, module = shared(systems.assign(weighed=SEES), findings)
+    station, module = shared_causes(systems.assign(weighed=SEES), findings)
     assert station.everywhere and station.likely == ["irradiance_sensor_step"]
     assert "suspect the station" in station.words
     assert module.alone and module.likely == ["module_sensor_contact_step"]
@@ -443,12 +443,12 @@ def test_a_system_that_would_not_show_it_is_not_asked():
     """A gain that the other systems could not show does not single out a module."""
     systems, findings = rows_of(("a", ["soiling"], 0.3, None))
     blind = json.dumps({"soiling": [0.0, 0.5]})
-    (group,) = shared(systems.assign(weighed=blind), findings)
+    (group,) = shared_causes(systems.assign(weighed=blind), findings)
     assert not group.alone and group.words == "no other can show it"
-    (group,) = shared(systems.assign(weighed=[SEES, SEES, blind]), findings)
+    (group,) = shared_causes(systems.assign(weighed=[SEES, SEES, blind]), findings)
     assert group.alone and group.without == {"b"}
     weakly = json.dumps({"soiling": [0.2, 0.1]})  # there, and too small to be added
-    (group,) = shared(systems.assign(weighed=weakly), findings)
+    (group,) = shared_causes(systems.assign(weighed=weakly), findings)
     assert group.everywhere and group.also == {"b", "c"}
 
 
@@ -456,7 +456,7 @@ def test_a_change_of_some_is_not_the_stations_where_others_found_no_date():
     found = [(name, LOSES, 0.5, MARCH) for name in "ab"]
     systems, findings = rows_of(*found)
     other = json.dumps({"soiling": [0.0, 0.1]})
-    (group,) = shared(systems.assign(weighed=other), findings)
+    (group,) = shared_causes(systems.assign(weighed=other), findings)
     assert not group.everywhere and group.words == "2 of 3"
 
 
@@ -469,47 +469,47 @@ def test_a_system_that_may_have_it_under_another_name_is_not_one_without_it():
         (("anemometer_step",), MARCH),
     ):
         systems, findings = rows_of(*found, ("c", named, 0.5, when))
-        groups = shared(systems.assign(weighed=SEES), findings)
+        groups = shared_causes(systems.assign(weighed=SEES), findings)
         (group,) = (one for one in groups if one.have == 2)
         assert group.everywhere and group.maybe == {"c"} and not group.without
         assert group.words.startswith("2 of 3, and perhaps 1 more: suspect the station")
     # at another time, or of another instrument and without one, it is another
     for named, when in ((LOSES, MAY), (("anemometer_drift",), None)):
         systems, findings = rows_of(*found, ("c", named, 0.5, when))
-        groups = shared(systems.assign(weighed=SEES), findings)
+        groups = shared_causes(systems.assign(weighed=SEES), findings)
         assert [group.without for group in groups if group.have == 2] == [{"c"}]
     # one system is not alone if as many may have the cause as do not have it
     systems, findings = rows_of(
         found[0], ("b", ["module_sensor_contact_episode"], 0.5, MARCH)
     )
-    (group, _) = shared(systems.assign(weighed=SEES), findings)
+    (group, _) = shared_causes(systems.assign(weighed=SEES), findings)
     assert (group.without, group.maybe) == ({"c"}, {"b"}) and not group.alone
     assert group.words == "1 of 3, and perhaps 1 more"
     # one system with many that may have it says nothing of the station
     others = [(name, ["module_sensor_contact_episode"], 0.5, MARCH) for name in "bc"]
     systems, findings = rows_of(found[0], *others)
-    groups = shared(systems.assign(weighed=SEES), findings)
+    groups = shared_causes(systems.assign(weighed=SEES), findings)
     assert not any(group.everywhere and group.have == 1 for group in groups)
 
 
 def test_what_may_be_of_the_station_or_of_the_modules_is_left_open():
     season = ("season", *LOSES)
     systems, findings = rows_of(*((name, season, 0.5, MARCH) for name in "abc"))
-    (group,) = shared(systems.assign(weighed=SEES), findings)
+    (group,) = shared_causes(systems.assign(weighed=SEES), findings)
     assert group.words.endswith("an effect on all modules there, or the station")
     systems, findings = rows_of(*((name, LOSES[:1], 0.5, MARCH) for name in "abc"))
-    (group,) = shared(systems.assign(weighed=SEES), findings)
+    (group,) = shared_causes(systems.assign(weighed=SEES), findings)
     assert group.words.endswith("a change of all modules at once")
 
 
 def test_a_class_of_many_is_told_in_a_line():
-    assert few({"b", "a"}, " or ", " or ") == "a or b"
-    assert few("edcba", " or ", " or ") == "a or b or c or 2 more"
+    assert few_names({"b", "a"}, " or ", " or ") == "a or b"
+    assert few_names("edcba", " or ", " or ") == "a or b or c or 2 more"
 
 
 def test_a_site_of_one_system_shares_nothing():
     systems, findings = rows_of(("a", ["soiling"], 0.3, None))
-    assert shared(systems[:1].assign(weighed=SEES), findings) == []
+    assert shared_causes(systems[:1].assign(weighed=SEES), findings) == []
 
 
 def test_the_page_has_every_state_and_links_to_each_system(table, tmp_path):
