@@ -16,7 +16,7 @@ from pvlib_fem._cli.headings import (
     SIMULATED,
     WRITTEN,
     command_with,
-    under,
+    option_maker,
 )
 from pvlib_fem._cli.model_options import (
     fit_options,
@@ -27,24 +27,24 @@ from pvlib_fem._cli.model_options import (
     stand_in_option,
     transposition_option,
 )
-from pvlib_fem._cli.option_texts import days_of, effects_of, held
+from pvlib_fem._cli.option_texts import days_of, effects_of, fixed_coefficients
 from pvlib_fem._cli.output_files import (
     as_csv,
     check_ceiling,
     check_outputs,
-    picture,
     write,
+    write_picture,
     write_report,
 )
 from pvlib_fem._cli.printing import Refused, note, plainly, say
 from pvlib_fem._cli.read_records import (
+    frame_and_arguments,
+    frame_of_files,
     in_their_days,
     is_data_set,
     needed_by,
     or_propose,
-    prepared,
     prepared_files,
-    read,
 )
 from pvlib_fem._cli.result_options import (
     ARGUMENTS,
@@ -57,7 +57,12 @@ from pvlib_fem._cli.result_options import (
     report_option,
     title_option,
 )
-from pvlib_fem._cli.run_methods import closed, fitted, fitted_files, injected
+from pvlib_fem._cli.run_methods import (
+    fit_of_frame,
+    fitted_files,
+    loop_of_frame,
+    recovery_of_frame,
+)
 from pvlib_fem._fitting.fem_fit import FemFit
 from pvlib_fem._record.logger_files import read_file
 from pvlib_fem._sensors.compare_sensors import compare_modules
@@ -67,7 +72,7 @@ from pvlib_fem.fleet import report as fleet_report, run as run_fleet
 from pvlib_fem.fleet._results import Results
 from pvlib_fem.quality._screen import screen_record
 
-model, simulated, output = map(under, (MODEL, SIMULATED, OUTPUT))
+model, simulated, output = map(option_maker, (MODEL, SIMULATED, OUTPUT))
 FEW = 5  # failures that are reported
 
 
@@ -107,12 +112,12 @@ def fit(
         if is_data_set(files):
             result = fitted_files(**prepared_files(files, options))
         else:
-            data, options, otherwise = prepared(files, options)
+            data, options, otherwise = frame_and_arguments(files, options)
             with or_propose(otherwise):
-                result = fitted(data, **options)
+                result = fit_of_frame(data, **options)
         say(result)
         write(out, result.to_json)
-        write(plot, lambda path: picture(result, path))
+        write(plot, lambda path: write_picture(result, path))
         write_report(report, result, title, files)
 
 
@@ -161,10 +166,12 @@ def loop(
             options = prepared_files(files, options, sun=True)
             data, otherwise = options.pop("record"), Refused
         else:
-            data, options, otherwise = prepared(files, options, drivers=not details)
+            data, options, otherwise = frame_and_arguments(
+                files, options, drivers=not details
+            )
         options["effects"] = options["effects"] or None
         with or_propose(otherwise):
-            result = closed(data, **options)
+            result = loop_of_frame(data, **options)
         say(result.report() if details else result)
         write(out, result.to_json)
         write_report(report, result, title, files)
@@ -196,10 +203,10 @@ def recover(files: tuple[Path, ...], out: Path | None, **options: Any) -> None:
     again = f"what was done is kept in {out}; run the same command to go on"
     with plainly(lambda: again if out and out.exists() else ""):
         check_outputs(files, out=out)
-        data, options, otherwise = prepared(files, options, drivers=True)
+        data, options, otherwise = frame_and_arguments(files, options, drivers=True)
         options["effects"] = options["effects"] or None
         with or_propose(otherwise):
-            say(injected(data, path=out, **options))
+            say(recovery_of_frame(data, path=out, **options))
 
 
 @command_with("pvlib-fem screen plant.csv --cleaned clean.csv")
@@ -216,7 +223,7 @@ def screen(files: tuple[Path, ...], cleaned: Path | None, **options: Any) -> Non
     """
     with plainly():
         check_outputs(files, pictures=False, cleaned=cleaned)
-        data, _ = read(files, options, needed=())
+        data, _ = frame_of_files(files, options, needed=())
         screening = screen_record(data)
         say(screening)
         write(cleaned, lambda path: saved(as_csv(screening.cleaned), path))
@@ -245,7 +252,7 @@ def modules(
     with plainly():
         check_outputs(files, common=common)
         wanted = [n for n in needed_by(model) if n != "temp_module"]
-        data, _ = read(files, options, needed=wanted)
+        data, _ = frame_of_files(files, options, needed=wanted)
         comparison = compare_modules(data, model=model)
         say(comparison)
         write(common, lambda path: saved(as_csv(comparison.common), path))
@@ -296,7 +303,7 @@ def parameters(
         if files:
             zones = options["tz"]
             wanted = (*result.thermal_model.usual, "temp_module")
-            data, otherwise = read(files, options, needed=wanted)
+            data, otherwise = frame_of_files(files, options, needed=wanted)
             data = in_their_days(data, None, zones)
             own |= {
                 "data": data,
@@ -342,7 +349,7 @@ def fleet(
     with plainly(lambda: kept_in(out, options["resume"])):
         check_outputs([systems], [out], report=report)
         options |= {"effects": effects_of(effects, {})} if effects else {}
-        options |= {"fixed": held(fix)} if fix else {}
+        options |= {"fixed": fixed_coefficients(fix)} if fix else {}
         if min_rmse_reduction is not None:
             options["min_rmse_reduction"] = min_rmse_reduction
         results = run_fleet(systems, out, **options)

@@ -8,7 +8,7 @@ from pvlib.location import Location
 
 from pvlib_fem import datasets, simulator
 from pvlib_fem._cli.printing import say
-from pvlib_fem._cli.run_methods import closed
+from pvlib_fem._cli.run_methods import loop_of_frame
 from pvlib_fem._findings import Kind, Verdict
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.loop_result import Loop
@@ -73,11 +73,11 @@ def demo_site(days: int, step: float, seed: int) -> Loop:
     # few sites have these, so the sky has to come from the humidity
     data = data.drop(columns=["longwave_down", "snow_depth"])
     place = site.latitude, site.longitude, site.surface_tilt, site.surface_azimuth
-    loop = closed(data, site=site_of(pd.DatetimeIndex(data.index), *place))
+    loop = loop_of_frame(data, site=site_of(pd.DatetimeIndex(data.index), *place))
     say(f"{loop}\n\nthe truth, which the loop has not seen")
     for name in HIDDEN:
         what = simulator.SWITCHES[name].split(";")[0]
-        say(f"  {name:<22}{what}: {answer(name, loop)}")
+        say(f"  {name:<22}{what}: {verdict_text(name, loop)}")
     always = [name for name in simulator.PHYSICS if name not in HIDDEN]
     say(f"  {'in every module':<22}{', '.join(always)}")
     for name in loop.effects:
@@ -86,7 +86,7 @@ def demo_site(days: int, step: float, seed: int) -> Loop:
     return loop
 
 
-def answer(name: str, loop: Loop) -> str:
+def verdict_text(name: str, loop: Loop) -> str:
     """What a loop said of an effect that is there."""
     for finding in loop.finding_objects:
         if name in finding.candidates and finding.kind is not Kind.STRUCTURE:
@@ -98,12 +98,12 @@ def answer(name: str, loop: Loop) -> str:
 
 def demo_years() -> None:
     """Eight measured years, or the reason why they cannot be had."""
-    data = had("eurac_bolzano", "the measured plant")
+    data = measured_record("eurac_bolzano", "the measured plant")
     if data is None:
         say("")
         return
     place = [data.attrs[name] for name in ("latitude", "longitude", "tz")]
-    loop = closed(data, site={"location": Location(*place)})
+    loop = loop_of_frame(data, site={"location": Location(*place)})
     say(
         f"a measured plant: {data.attrs['site']}, eight hourly years; "
         f"{data.attrs['source']}\n\n{loop}\n\n"
@@ -116,10 +116,10 @@ def demo_years() -> None:
 def demo_week() -> None:
     """The measured week, or the reason why it cannot be had."""
     say("")
-    data = had("sandia_week", "the measured week")
+    data = measured_record("sandia_week", "the measured week")
     if data is None:
         return
-    loop = closed(data)
+    loop = loop_of_frame(data)
     days = loop.fit.train_days + loop.fit.test_days
     say(
         f"a measured week: {data.attrs['source']}\n\n{loop}\n\n"
@@ -129,7 +129,7 @@ def demo_week() -> None:
     )
 
 
-def had(name: str, what: str) -> pd.DataFrame | None:
+def measured_record(name: str, what: str) -> pd.DataFrame | None:
     """A measured record, or None after the reason why it cannot be had."""
     try:
         with line() as bar:

@@ -8,10 +8,10 @@ from typing import Any
 
 import click
 
-from pvlib_fem._cli.headings import COLUMNS, LAYOUT, TIMES, added, under
+from pvlib_fem._cli.headings import COLUMNS, LAYOUT, TIMES, option_maker, with_options
 from pvlib_fem._record.column_names import COLUMNS as USUAL
 
-column, times, layout = under(COLUMNS), under(TIMES), under(LAYOUT)
+column, times, layout = option_maker(COLUMNS), option_maker(TIMES), option_maker(LAYOUT)
 
 
 class Readable(click.Path):
@@ -51,7 +51,7 @@ def files_argument(required: bool = True) -> Callable:
     )
 
 
-layout_options = added(
+layout_options = with_options(
     column(
         "--guess",
         is_flag=True,
@@ -181,4 +181,4 @@ layout_options = added(
         help="Accept columns that look to be in another unit.",
     ),
 )
-reading_options = added(files_argument(), layout_options)
+reading_options = with_options(files_argument(), layout_options)

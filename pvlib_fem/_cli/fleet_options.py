@@ -4,12 +4,12 @@ from pathlib import Path
 
 import click
 
-from pvlib_fem._cli.headings import EFFECTS, OUTPUT, SYSTEMS, added, under
+from pvlib_fem._cli.headings import EFFECTS, OUTPUT, SYSTEMS, option_maker, with_options
 from pvlib_fem._cli.model_options import effects_option, fix_option, model_option
 from pvlib_fem.fleet._tasks import TASKS
 
-system, output, effect = map(under, (SYSTEMS, OUTPUT, EFFECTS))
-fleet_options = added(
+system, output, effect = map(option_maker, (SYSTEMS, OUTPUT, EFFECTS))
+fleet_options = with_options(
     output(
         "--out",
         required=True,

@@ -79,7 +79,7 @@ def command_with(*examples: str) -> Callable:
     return click.command(cls=Command, examples=examples)
 
 
-def under(heading: str) -> Callable:
+def option_maker(heading: str) -> Callable:
     """
     Maker of options under one heading.
 
@@ -96,7 +96,7 @@ def under(heading: str) -> Callable:
     return partial(click.option, cls=Option, heading=heading)
 
 
-def added(*options: Callable) -> Callable:
+def with_options(*options: Callable) -> Callable:
     """
     Decorator of a command with options, in this order.
 

@@ -4,15 +4,22 @@ from collections.abc import Callable
 
 import click
 
-from pvlib_fem._cli.headings import COLUMNS, EFFECTS, MODEL, SITE, added, under
+from pvlib_fem._cli.headings import (
+    COLUMNS,
+    EFFECTS,
+    MODEL,
+    SITE,
+    option_maker,
+    with_options,
+)
 from pvlib_fem._fit import METHODS
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._thermal.model import MEMORY
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
 from pvlib_fem.drivers._transposition import TRANSPOSITIONS
 
-column, site, model, effect = map(under, (COLUMNS, SITE, MODEL, EFFECTS))
-site_options = added(
+column, site, model, effect = map(option_maker, (COLUMNS, SITE, MODEL, EFFECTS))
+site_options = with_options(
     site("--lat", type=click.FloatRange(-90, 90), help="North positive [°]."),
     site("--lon", type=click.FloatRange(-180, 180), help="East positive [°]."),
     site("--tilt", type=click.FloatRange(0, 180), help="Of the module [°]."),
@@ -75,7 +82,7 @@ fix_option = model(
     metavar="NAME=NUMBER",
     help="Coefficient that is known, such as tau=378; once for each.",
 )
-shared_options = added(
+shared_options = with_options(
     effects_option,
     effect(
         "--effect-setting",
@@ -128,7 +135,7 @@ def model_option(default: str, instead: str) -> Callable:
     )
 
 
-fit_options = added(
+fit_options = with_options(
     model_option("wm1", "the paper's first by default, where loop takes faiman"),
     model(
         "--dynamics",

@@ -37,19 +37,21 @@ PER_FILE = {
 SAME = ("missing", "keep", "sort", "drop_doubled", "drop_untimed")
 
 
-def bad(text: str, option: str, why: str) -> click.BadParameter:
+def bad_option(text: str, option: str, why: str) -> click.BadParameter:
     return click.BadParameter(f"{text!r} {why}", param_hint=option)
 
 
-def pairs(texts: Iterable[str], option: str, form: str) -> dict[str, str]:
+def named_values(texts: Iterable[str], option: str, form: str) -> dict[str, str]:
     """Texts of the form NAME=VALUE, each name once."""
     values = {}
     for text in texts:
         name, equals, value = text.partition("=")
         if not equals or not value:
-            raise bad(text, option, f"is not {form}")
+            raise bad_option(text, option, f"is not {form}")
         if name in values:
-            raise bad(text, option, f"comes after {name}={values[name]}; give one")
+            raise bad_option(
+                text, option, f"comes after {name}={values[name]}; give one"
+            )
         values[name] = value
     return values
 
@@ -81,24 +83,26 @@ def columns_of(renames: Iterable[str]) -> dict[str, str]:
         If a text has another form, a name is unknown or of the times, or a name or
         column is given twice.
     """
-    mapped = in_new_names(pairs(renames, "--map", "NAME=COLUMN"))
+    mapped = in_new_names(named_values(renames, "--map", "NAME=COLUMN"))
     for name, column in mapped.items():
         if column == "COLUMN":
             why = "stands for the name of a column of the file: put that"
-            raise bad(f"{name}=COLUMN", "--map", why)
+            raise bad_option(f"{name}=COLUMN", "--map", why)
         if name == "time":
             why = f"are the times: give --time {column!r}"
-            raise bad(f"time={column}", "--map", why)
+            raise bad_option(f"time={column}", "--map", why)
         if name not in NAMED and usual_name_of(name) is None:
             why = (
                 f"is none of {', '.join(NAMED)}"
                 f"{did_you_mean(name, NAMED)}, nor a cross-check of an "
                 "instrument: power_ac, power_dc, poa_global_2, temp_module_2 …"
             )
-            raise bad(name, "--map", why)
+            raise bad_option(name, "--map", why)
     if twice := [c for c in mapped.values() if list(mapped.values()).count(c) > 1]:
         names = [name for name, column in mapped.items() if column == twice[0]]
-        raise bad(twice[0], "--map", f"is given as {' and as '.join(names)}; give one")
+        raise bad_option(
+            twice[0], "--map", f"is given as {' and as '.join(names)}; give one"
+        )
     return mapped
 
 
@@ -121,14 +125,14 @@ def units_of(texts: Iterable[str]) -> dict[str, str]:
     click.BadParameter
         If a text has another form, or the column has no such unit.
     """
-    units = in_new_names(pairs(texts, "--unit", "NAME=UNIT"))
+    units = in_new_names(named_values(texts, "--unit", "NAME=UNIT"))
     try:
         return {name: unit_of(name, unit) for name, unit in units.items()}
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--unit") from error
 
 
-def held(texts: Iterable[str]) -> dict[str, float]:
+def fixed_coefficients(texts: Iterable[str]) -> dict[str, float]:
     """
     The coefficients of --fix.
 
@@ -148,11 +152,11 @@ def held(texts: Iterable[str]) -> dict[str, float]:
         If a text has another form.
     """
     numbers = {}
-    for name, value in pairs(texts, "--fix", "NAME=NUMBER").items():
+    for name, value in named_values(texts, "--fix", "NAME=NUMBER").items():
         try:
             numbers[name] = float(value)
         except ValueError as error:
-            raise bad(value, "--fix", f"is no number for {name}") from error
+            raise bad_option(value, "--fix", f"is no number for {name}") from error
     return numbers
 
 
@@ -176,10 +180,10 @@ def settings_of(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
         If a text has another form.
     """
     form, settings = "NAME.SETTING=VALUE", {}
-    for key, text in pairs(texts, "--effect-setting", form).items():
+    for key, text in named_values(texts, "--effect-setting", form).items():
         name, dot, setting = key.partition(".")
         if not dot or not setting:
-            raise bad(f"{key}={text}", "--effect-setting", f"is not {form}")
+            raise bad_option(f"{key}={text}", "--effect-setting", f"is not {form}")
         try:
             value = json.loads(text)
         except ValueError:  # a word, such as a source
@@ -226,7 +230,7 @@ def layouts_of(options: Mapping[str, Any], files: Sequence[Path]) -> list[Layout
     values["skip_rows"] = skipped_lines(options, values.pop("skip_lines"), values)
     values["sep"] = ["\t" if sep == r"\t" else sep for sep in values["sep"]]
     if wrong := [text for text in values["decimal"] if len(text) != 1]:
-        raise bad(wrong[0], "--decimal", "is not one sign")
+        raise bad_option(wrong[0], "--decimal", "is not one sign")
     same = {name: options[name] for name in SAME}
     return [
         Layout(**{name: values[name][i] for name in values}, **same)
@@ -256,9 +260,9 @@ def lines_of(text: str, option: str) -> int | tuple[int, ...]:
     try:
         numbers = tuple(int(number) for number in text.rstrip(",").split(","))
     except ValueError as error:
-        raise bad(text.rstrip(","), option, "are no line numbers") from error
+        raise bad_option(text.rstrip(","), option, "are no line numbers") from error
     if min(numbers) < 0:
-        raise bad(text.rstrip(","), option, "are no line numbers")
+        raise bad_option(text.rstrip(","), option, "are no line numbers")
     return numbers if "," in text else numbers[0]
 
 
@@ -294,7 +298,7 @@ def days_of(texts: Sequence[str], index: pd.DatetimeIndex) -> pd.Series | None:
         try:
             start, end = pd.Timestamp(first), pd.Timestamp(last if dots else first)
         except ValueError as error:
-            raise bad(text, "--holdout", "is not DAY or DAY..DAY") from error
+            raise bad_option(text, "--holdout", "is not DAY or DAY..DAY") from error
         rows = (local >= start) & (local <= end)
         if not rows.any():
             raise ValueError(

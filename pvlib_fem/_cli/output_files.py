@@ -49,14 +49,14 @@ def check_outputs(
         raise ValueError(
             "a picture or a report needs matplotlib: pip install 'pvlib_fem[plot]'"
         )
-    taken = {same(path): f"{path.name} is read" for path in read}
+    taken = {file_identity(path): f"{path.name} is read" for path in read}
     for name, path in written.items():
         if path is None:
             continue
         folder = path.absolute().parent
         if not folder.is_dir() and folder not in {one.absolute() for one in made}:
             raise ValueError(f"there is no folder {path.parent} for {path.name}")
-        if (place := same(path)) in taken:
+        if (place := file_identity(path)) in taken:
             raise ValueError(
                 f"--{name} {path} would overwrite a file: {taken[place]}; give it "
                 "another name"
@@ -91,7 +91,7 @@ def check_ceiling(wanted: bool) -> None:
         )
 
 
-def same(path: Path) -> str | tuple[int, int]:
+def file_identity(path: Path) -> str | tuple[int, int]:
     """One name for one file, through links and on systems without capitals."""
     path = Path(path).resolve()
     if path.exists():
@@ -138,7 +138,7 @@ def as_csv(frame: pd.DataFrame) -> str:
     ).to_csv()
 
 
-def picture(result: FemFit, path: Path) -> None:
+def write_picture(result: FemFit, path: Path) -> None:
     """
     Write the picture of a fit, in the format that its name ends with.
 

@@ -59,12 +59,12 @@ def check_columns(data: pd.DataFrame, needed: Iterable[str] = COLUMNS) -> None:
         there = ", ".join(map(str, data.columns))
         raise refusal(
             f"no column {', '.join(lacking)} among {there}; name it with --map "
-            f"{lacking[0]}=COLUMN{without(lacking, data)}",
+            f"{lacking[0]}=COLUMN{remedy_for(lacking, data)}",
             *of_several(data.columns),
         )
 
 
-def without(lacking: Sequence[str], data: pd.DataFrame) -> str:
+def remedy_for(lacking: Sequence[str], data: pd.DataFrame) -> str:
     """What a fit can do without columns."""
     given = options_given()
     others = [name for name in data if len(lacking) == 1 and twin_of(name) in lacking]
@@ -148,7 +148,7 @@ def proposal(
         lines.append(
             f"- {power!r} as power_ac cross-checks instruments and shows outages and "
             "covered modules; with the area of the modules "
-            f"{quoted(['--map', f'p_dc_per_area={power}'])} {unit} "
+            f"{shell_words(['--map', f'p_dc_per_area={power}'])} {unit} "
             "--module-area AREA gives loop power for each m²"
         )
     lines += [
@@ -264,7 +264,7 @@ def command(
         elif isinstance(param, click.Option) and (
             param.name not in ANEW and source(param.name) is COMMANDLINE
         ):
-            words += spoken(param, value)
+            words += option_words(param, value)
     words[2:2] = files
     for name, default in PER_FILE.items():
         values = fields_of(name, guessed.layouts)
@@ -289,7 +289,7 @@ def command(
         words += ["--unit", f"{name}={unit}"]
     if guessed.area and not how["module_area"]:
         words += ["--module-area", "AREA"]
-    return quoted([*words, *more])
+    return shell_words([*words, *more])
 
 
 def fields_of(name: str, layouts: Sequence[Layout]) -> list[Any]:
@@ -303,7 +303,7 @@ def fields_of(name: str, layouts: Sequence[Layout]) -> list[Any]:
     return [PER_FILE[name]] * len(layouts)
 
 
-def quoted(words: Iterable[str]) -> str:
+def shell_words(words: Iterable[str]) -> str:
     """
     Words as a shell takes them.
 
@@ -321,7 +321,7 @@ def quoted(words: Iterable[str]) -> str:
     return join(words)
 
 
-def spoken(param: click.Option, value: Any) -> list[str]:
+def option_words(param: click.Option, value: Any) -> list[str]:
     """An option as it was given."""
     option = max(param.opts, key=len)
     if param.is_flag:

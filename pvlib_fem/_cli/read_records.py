@@ -17,13 +17,13 @@ from pvlib_fem._cli.option_texts import (
     columns_of,
     days_of,
     effects_of,
-    held,
+    fixed_coefficients,
     layouts_of,
     settings_of,
     units_of,
 )
 from pvlib_fem._cli.printing import Otherwise, Refused, note, safe, say, waiting
-from pvlib_fem._cli.proposal import ANEW, check_columns, command, proposal, quoted
+from pvlib_fem._cli.proposal import ANEW, check_columns, command, proposal, shell_words
 from pvlib_fem._fitting.stand_ins import chosen
 from pvlib_fem._loop.replacements import Replacements
 from pvlib_fem._record.checks import datetime_steps
@@ -68,7 +68,7 @@ def needed_by(
     return [name for name in usual if name not in made]
 
 
-def read(
+def frame_of_files(
     files: Sequence[Path],
     options: dict[str, Any],
     drivers: bool = False,
@@ -146,7 +146,7 @@ def read(
         what = ", ".join(f"{c!r} looks like {n}" for n, c in likely.items())
         note(
             f"{what}. Under another name a column is only a driver of unknown meaning; "
-            f"if it is that, run again with {quoted(maps)}"
+            f"if it is that, run again with {shell_words(maps)}"
         )
     return data, otherwise
 
@@ -219,7 +219,7 @@ def is_data_set(files: Sequence[Path]) -> bool:
     return len(columns) == 1
 
 
-def opened(files: Sequence[Path], options: dict[str, Any]) -> ParquetRecord:
+def opened_parquet(files: Sequence[Path], options: dict[str, Any]) -> ParquetRecord:
     """Parquet files that follow each other, by the options that go with them."""
     times = {name: options.pop(name) for name in ("time", "tz")}
     if long := [name for name, given in times.items() if len(given) > 1]:
@@ -319,7 +319,7 @@ def prepared_files(
                 "as a whole"
             )
     effects, fixed = effects_of(options.pop("effects"), settings), options.pop("fix")
-    record = opened(files, options)
+    record = opened_parquet(files, options)
     start, end = (time.tz_localize(None).normalize() for time in record.ends)
     site = site_in(pd.DatetimeIndex(record.ends), place)
     if sun:
@@ -331,12 +331,12 @@ def prepared_files(
     return options | {
         "record": record,
         "effects": effects,
-        "fixed": held(fixed) or None,
+        "fixed": fixed_coefficients(fixed) or None,
         "holdout": days_of(days, pd.date_range(start, end)),
     }
 
 
-def prepared(
+def frame_and_arguments(
     files: Sequence[Path], options: dict[str, Any], drivers: bool = False
 ) -> tuple[pd.DataFrame, dict[str, Any], Otherwise]:
     """
@@ -363,11 +363,11 @@ def prepared(
     check_partners(options)
     settings = settings_of(options.pop("settings"))
     effects = effects_of(options.pop("effects"), settings)
-    fixed = held(options.pop("fix"))
+    fixed = fixed_coefficients(options.pop("fix"))
     days, zones = options.pop("holdout"), options["tz"]
     how = options.get("transposition"), options.get("stand_ins", ())
     needed = needed_by(options["model"], *how)
-    data, otherwise = read(files, options, drivers, needed)
+    data, otherwise = frame_of_files(files, options, drivers, needed)
     place = {name: options.pop(name) for name in PLACE}
     data = in_their_days(data, place["lon"], zones)
     index = pd.DatetimeIndex(data.index)

@@ -4,9 +4,16 @@ from pathlib import Path
 
 import click
 
-from pvlib_fem._cli.headings import KNOWN, OUTPUT, PARAMETERS, WRITTEN, added, under
+from pvlib_fem._cli.headings import (
+    KNOWN,
+    OUTPUT,
+    PARAMETERS,
+    WRITTEN,
+    option_maker,
+    with_options,
+)
 
-known, parameter, output = map(under, (KNOWN, PARAMETERS, OUTPUT))
+known, parameter, output = map(option_maker, (KNOWN, PARAMETERS, OUTPUT))
 #: options that fit.thermal_parameters() has as arguments
 ARGUMENTS = (
     "wind_height",
@@ -17,7 +24,7 @@ ARGUMENTS = (
     "deltaT",
     "with_bias",
 )
-recovery_options = added(
+recovery_options = with_options(
     known(
         "--draws",
         type=click.IntRange(1),
@@ -42,7 +49,7 @@ recovery_options = added(
     ),
 )
 out_option = output("--out", type=WRITTEN, help="Write the result as JSON.")
-parameter_options = added(
+parameter_options = with_options(
     parameter(
         "--wind-height",
         type=click.FloatRange(0, 200, min_open=True),
@@ -102,7 +109,7 @@ report_option = output(
     help="Write the report with pictures as one HTML file (needs matplotlib).",
 )
 title_option = output("--title", help="Of the report; by default the name of the file.")
-correction_options = added(
+correction_options = with_options(
     output(
         "--details",
         is_flag=True,

@@ -18,7 +18,7 @@ from pvlib_fem._recovery.recovery_result import Recovery
 from pvlib_fem.effects import EffectLike, find
 
 
-def closed(
+def loop_of_frame(
     data: pd.DataFrame | ParquetRecord,
     model: str = "faiman",
     no_unit_check: bool = False,
@@ -60,7 +60,7 @@ def closed(
         return loop
 
 
-def injected(
+def recovery_of_frame(
     data: pd.DataFrame,
     no_unit_check: bool = False,
     site: Mapping[str, Any] | None = None,
@@ -93,7 +93,7 @@ def injected(
     )
 
 
-def fitted(
+def fit_of_frame(
     data: pd.DataFrame,
     effects: Iterable[EffectLike],
     site: Mapping[str, Any],

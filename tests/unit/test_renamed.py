@@ -25,7 +25,7 @@ from pvlib_fem._recovery.trial import Trial
 from pvlib_fem._renamed_effects import in_new_names
 from pvlib_fem._stored import Stored, plain
 from pvlib_fem.effects import CHANGES, find
-from pvlib_fem.fleet._systems_table import opened, systems_of
+from pvlib_fem.fleet._systems_table import opened_table, systems_of
 from pvlib_fem.quality import Limits
 from pvlib_fem.reasons import Reason, because
 
@@ -121,7 +121,7 @@ def test_options_and_tables_of_the_old_name_are_understood(old, tmp_path):
     table = pd.DataFrame({"id": ["a"], "file": [path], "p_dc": "power"})
     table = table.assign(p_dc_unit="kW", module_area=24.0)
     with pytest.warns(FutureWarning, match=NOW):
-        (system,) = systems_of(opened(table))
+        (system,) = systems_of(opened_table(table))
     assert system.columns == {"p_dc_per_area": "power"}
     assert system.units == {"p_dc_per_area": "kW"}
 
