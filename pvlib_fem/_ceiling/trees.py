@@ -111,7 +111,7 @@ class Trees:
 
     def best(self, columns: dict) -> int:
         """The number of trees with which the rows left out are described best."""
-        table, kept = stacked(columns)[: self.fitting], ~self.out
+        table, kept = column_table(columns)[: self.fitting], ~self.out
         residual = self.residual[: self.fitting]
         grown = regressor()(max_iter=MOST_TREES, **HOW).fit(table[kept], residual[kept])
         steps = grown.staged_predict(table[self.out])
@@ -119,14 +119,14 @@ class Trees:
 
     def error(self, columns: dict, count: int) -> float:
         """RMSE of so many trees on the test rows. [K]"""
-        table, fitting = stacked(columns), slice(self.fitting)
+        table, fitting = column_table(columns), slice(self.fitting)
         grown = regressor()(max_iter=count, **HOW)
         grown.fit(table[fitting], self.residual[fitting])
         test = slice(self.fitting, None)
         return float(rmse(grown.predict(table[test]), self.residual[test]))
 
 
-def stacked(columns: dict) -> np.ndarray:
+def column_table(columns: dict) -> np.ndarray:
     return np.column_stack(list(columns.values()))
 
 
