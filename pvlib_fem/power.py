@@ -12,6 +12,7 @@ from pvlib_fem._record.inputs import read
 
 __all__ = ["PowerRelation", "expected_power", "fit_power"]
 
+STANDARD = 1000.0  # W/m², of the power that a kWp is
 BRIGHT = 100.0  # W/m², above which power is proportional to efficiency
 FEWEST = 100  # bright rows with power
 MOST = 20_000  # rows of a fit; more rows would not reduce its error
@@ -84,6 +85,11 @@ class PowerRelation:
     def usual(self) -> float:
         """Mean of the scale over the dates. [unit of power per W/m²]"""
         return float(np.exp(np.mean(self.levels)))
+
+    @property
+    def nominal(self) -> float:
+        """Power at 1000 W/m² and 25 °C, also above the limit. [unit of power]"""
+        return self.usual * (STANDARD - self.own)
 
     def scale(self, day: Any) -> np.ndarray:
         """Power per irradiance at 25 °C by day since 1970-01-01."""

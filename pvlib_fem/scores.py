@@ -298,11 +298,27 @@ def kilowatt_hours(inputs: Inputs) -> np.ndarray:
     array, shape (rows,)
         Each row counts for the step before it, at most for two usual steps.
     """
+    return inputs["poa_global"] / 1000.0 * row_hours(inputs)
+
+
+def row_hours(inputs: Inputs) -> np.ndarray | float:
+    """
+    Time that each row stands for. [h]
+
+    Parameters
+    ----------
+    inputs : Inputs
+
+    Returns
+    -------
+    float or array, shape (rows,)
+        One number where the steps are equal.
+    """
     seconds = inputs.step
     if np.ndim(inputs.steps):  # the first row counts for a usual step
         seconds = np.minimum(inputs.steps * inputs.unit, 2.0 * inputs.step)
         seconds[0] = inputs.step
-    return inputs["poa_global"] / 1000.0 * seconds / HOUR
+    return seconds / HOUR
 
 
 def energy_of(

@@ -22,7 +22,10 @@ BOTH = 3.0
 SEEN = 2.0  # least difference of temperature, in standard deviations of means
 SHARES = {"modules_covered": 1.0, "sensor_covered": 1.0, "outage": 0.2}
 TIMES = ("start", "end")
-COLUMNS = ["effect", "start", "end", "hours", "size", "share", "power", "temp_air"]
+NUMBERS = ["size", "share", "power", "energy", "gain", "temp_air"]
+COLUMNS = ["effect", *TIMES, "hours", *NUMBERS]
+SUMS = ("energy", "portion")  # of the columns of rows that are no means
+NEW = ("energy", "gain")  # that files of before do not have
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +49,10 @@ class Hours:
         [unit of power]
     loss : array
         [W/(m² K)]
+    energy : array
+        Energy of the hour minus that expected. [kWh/kWp]
+    portion : array
+        Rows over all rows of the record with a residual. [-]
     off : array of bool
         Hours without power, for another reason than snow.
     extra : dict of array
@@ -62,6 +69,8 @@ class Hours:
     power: np.ndarray
     expected: np.ndarray
     loss: np.ndarray
+    energy: np.ndarray
+    portion: np.ndarray
     off: np.ndarray
     extra: dict
 
@@ -84,6 +93,7 @@ class Hours:
             return np.add.reduceat(values, first) / size
 
         hourly = {name: means(values) for name, values in columns.items()}
+        hourly |= {name: hourly[name] * size for name in SUMS}
         squares = np.add.reduceat(columns["residual"] ** 2, first)
         light = (hourly["seen"] > LEAST) | (hourly["shown"] > LEAST)
         hourly = {name: values[light] for name, values in hourly.items()}
@@ -104,6 +114,11 @@ class Hours:
             rows = np.flatnonzero(clock == hour)
             values[rows] -= median_filter(values[rows], 2 * AROUND + 1, mode="reflect")
         return values
+
+    def gain(self, some: slice) -> float:
+        """Root of the fall of the mean square without the mean of some hours. [K]"""
+        portion = self.portion[some]
+        return float(abs(portion @ self.residual[some]) / np.sqrt(portion.sum()))
 
     def days(self) -> np.ndarray:
         """Hours before which another day, or a gap, begins."""
@@ -286,6 +301,8 @@ def rows_of_events(hours: Hours, ends: list, kinds: np.ndarray, total: float) ->
                 "size": float(hours.residual[some].mean()),
                 "share": float(hours.squares[some].sum() / total),
                 "power": float(hours.power[some].sum() / hours.expected[some].sum()),
+                "energy": float(np.abs(hours.energy[some]).sum()),
+                "gain": hours.gain(some),
                 **{name: float(v[some].mean()) for name, v in hours.extra.items()},
             }
         )
@@ -365,6 +382,8 @@ def event_from(part: Any, extra: Any) -> Any:
     times = {name: part.read(name, pd.Timestamp) for name in TIMES}
     if zone:
         times = {name: time.tz_convert(zone) for name, time in times.items()}
-    numbers = {name: part.read(name, AnyFloat) for name in (*COLUMNS[4:], *extra)}
+    needed = [name for name in (*NUMBERS, *extra) if name not in NEW]
+    numbers = {name: part.read(name, AnyFloat) for name in needed}
+    numbers |= {name: part.read(name, AnyFloat, np.nan) for name in NEW}
     counts = {"effect": part.read("effect", str), "hours": part.read("hours", int)}
     return {**counts, **times, **numbers}

@@ -47,6 +47,7 @@ from pvlib_fem.drivers._mounts import plane_of_rows
 from pvlib_fem.drivers._planes import ByColumns
 from pvlib_fem.drivers._transposition import check_transposition
 from pvlib_fem.effects import EffectLike
+from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import is_dated
 from pvlib_fem.quality._module_lag import Clock
 from pvlib_fem.quality._plane import Plane
@@ -326,6 +327,8 @@ class Search:
     #: findings that are not in the model
     refused: list[Finding] = field(default_factory=list)
     choices: dict[str, Choice] = field(default_factory=dict)  # of each finding
+    #: of all findings so far, with their dates
+    effects: dict[str, Effect] = field(default_factory=dict)
     #: names that a refit or the own steps contradict
     closed: frozenset[str] = frozenset()
     #: the one without effects from which the search begins
@@ -489,6 +492,7 @@ class Search:
             checks = cross_checks(references, one, effect, coefficients)
             finding = finding_of(one, effect, case, selection.least, checks)
             self.choices[finding.effect] = one
+            self.effects[finding.effect] = effect
             if not finding.added:
                 self.refused.append(finding)
                 continue

@@ -26,6 +26,8 @@ from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.predicted_patterns import Pattern
 from pvlib_fem._loop.ranking_table import RankingRow, ranking_rows, table_of
 from pvlib_fem._modelchain import fit_in
+from pvlib_fem._report.event_text import EVENT
+from pvlib_fem._statements.statement import key_of
 from pvlib_fem._stored import Stored
 from pvlib_fem._thermal.model_files import content_of, model_of
 from pvlib_fem.drivers._mounts import mount_content, mount_from
@@ -155,11 +157,20 @@ def loop_parts(
 
 
 def energies_in(content: Stored) -> dict[str, float]:
-    """Energies of the statements of a file; files before them have none."""
+    """
+    Energies of the statements of a file; files before them have none.
+
+    Those of events are in their table.
+    """
     if "statements" not in content.content:
         return {}
-    known = [one for one in content.parts("statements") if one.content.get("energy")]
-    return {one.read("cause", str): one.read("energy", float) for one in known}
+    return {
+        key_of(one.read("cause", str), one.read("since", str)): one.read(
+            "energy", float
+        )
+        for one in content.parts("statements")
+        if one.content.get("energy") is not None and one.read("verdict", str) != EVENT
+    }
 
 
 def placed(place: dict[str, Any]) -> dict[str, Any]:

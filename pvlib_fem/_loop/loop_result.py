@@ -41,6 +41,7 @@ from pvlib_fem.drivers._mounts import (
     plane_of_rows,
 )
 from pvlib_fem.effects import EffectLike
+from pvlib_fem.effects._effect import Effect
 from pvlib_fem.quality._tracker_standstill import Standing
 from pvlib_fem.reasons import Because
 from pvlib_fem.scores import GAMMA
@@ -111,9 +112,11 @@ class Loop:
         the module's temperature agrees, the largest share first: the ``effect``
         (``outage``, ``modules_covered``, ``sensor_covered``), ``start``, ``end``,
         ``hours`` of light, ``size``, the mean residual without these effects [K],
-        ``share`` of its square in the record, ``power`` over that expected, and
-        means of ``temp_air`` [°C] and ``snow_depth`` [cm], where there is one. Of all
-        weeks: they are reported, and decide nothing.
+        ``share`` of its square in the record, ``power`` over that expected, the
+        ``energy`` by which power differs from it, per power at 1000 W/m² and 25 °C
+        [kWh/kWp], ``gain``, the reduction of the error without the mean residual [K],
+        and means of ``temp_air`` [°C] and ``snow_depth`` [cm], where there is one. Of
+        all weeks: they are reported, and decide nothing.
     plain : tuple of ThermalModel and dict
         The model without effects, and its coefficients.
     criteria : Criteria
@@ -142,6 +145,9 @@ class Loop:
         Repeatable errors without a known cause, which ``predict``, ``residual`` and
         ``contributions`` have; ``fit`` and ``temperature_model`` have not. There are
         none in a record of fewer than ``criteria.min_days`` days.
+    hint_effects : tuple of Effect
+        Effects of the hints with their settings. A loop that was read from a file has
+        none.
     """
 
     finding_objects: tuple[Finding, ...]
@@ -170,6 +176,7 @@ class Loop:
     reading: Reading = field(repr=False, default_factory=Reading)
     standings: tuple[Standing, ...] = ()
     patterns: tuple[Pattern, ...] = field(repr=False, default=())
+    hint_effects: tuple[Effect, ...] = field(repr=False, default=())
 
     @cached_property
     def week_rows(self) -> dict[str, int]:
@@ -723,8 +730,9 @@ class Loop:
         """
         What was found in sentences, a row each, with the numbers in them.
 
-        Clocks come first, then the causes in the model by the energy that they change,
-        unexplained patterns, days that stand out, and hints.
+        Clocks and stuck irradiance sensors come first, hints last. Between them are
+        causes in the model, events, unexplained patterns and days that stand out, those
+        that change most energy first.
 
         Returns
         -------
@@ -732,7 +740,8 @@ class Loop:
             ``cause``, ``device``, ``verdict``, ``text``, ``action``, ``certainty``,
             ``gain`` [K]; ``energy``, the absolute change of the expected DC energy by
             the finding at -0.35 %/K, of a fault of the irradiance sensor with that of
-            the irradiance [kWh/kWp per year]; ``value`` with ``error``, ``low`` and
+            the irradiance, and of events that of the measured power [kWh/kWp per
+            year]; ``value`` with ``error``, ``low`` and
             ``high`` in ``unit``: what the device reads beyond the truth, negative
             where it reads less, or of a clock the minutes by which its timestamps are
             ahead; ``since``, ``until``, ``probability`` and ``alternatives``.

@@ -13,6 +13,7 @@ from pvlib_fem.drivers import completed
 from pvlib_fem.drivers._plant_irradiance import light_shown
 from pvlib_fem.effects import find
 from pvlib_fem.power import fitted
+from pvlib_fem.scores import row_hours
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.refits import Fits, Step
@@ -52,16 +53,19 @@ def events_of(fits: "Fits", step: "Step") -> pd.DataFrame:
         return event_table([])
     residual = step.measured - without_power(step, model, inputs)
     rows = case.seen & np.isfinite(residual)
-    total = float(residual[rows] @ residual[rows])
+    total, count = float(residual[rows] @ residual[rows]), int(rows.sum())
     rows &= np.isfinite(given[1] + given[2])
     poa, module, power, day = given
+    expected = relation.expected(poa, module, day)
     columns = {
         "residual": residual,
         "seen": poa,
         "shown": light_shown(relation, *given),
         "power": power,
-        "expected": relation.expected(poa, module, day),
+        "expected": expected,
         "loss": inputs["loss_base"],
+        "energy": (power - expected) / relation.nominal * row_hours(record.inputs),
+        "portion": np.full(len(residual), 1.0 / max(count, 1)),
         "off": inputs[off],
     }
     extra = {name: record[name] for name in EXTRA if name in record.inputs.columns}

@@ -9,12 +9,17 @@ import pandas as pd
 if TYPE_CHECKING:
     from pvlib_fem._loop.loop_result import Loop
 
-#: what happened to which device, and what would tell more
+#: the device, what happened to it, and what the energy is
 WORDS = {
-    "modules_covered": ("modules", "the modules were covered"),
-    "sensor_covered": ("irradiance sensor", "the irradiance sensor was covered"),
-    "outage": ("plant", "the plant gave no power"),
+    "modules_covered": ("modules", "the modules were covered", "lost"),
+    "sensor_covered": (
+        "irradiance sensor",
+        "the irradiance sensor was covered",
+        "more than expected",
+    ),
+    "outage": ("plant", "the plant gave no power", "lost"),
 }
+EVENT = "event"  # verdict of their statements
 MOST = 3  # events of a kind that are reported one by one
 
 
@@ -39,9 +44,16 @@ def by_kind(loop: "Loop") -> dict[str, pd.DataFrame]:
     return {name: kinds.get_group(name) for name in shares.index}
 
 
+def texts_by_cause(statements: pd.DataFrame) -> dict[str, str]:
+    """Text of each cause: that of the finding, where events have the same name."""
+    events = statements["verdict"] == EVENT
+    ordered = pd.concat([statements[events], statements[~events]])
+    return dict(zip(ordered["cause"], ordered["text"]))
+
+
 def all_of(events: pd.DataFrame) -> str:
     """
-    Number of events, their hours of light, and their share of the error.
+    Number of events of a kind, hours of light, share of the error, and energy.
 
     Parameters
     ----------
@@ -53,10 +65,15 @@ def all_of(events: pd.DataFrame) -> str:
     str
     """
     count, hours = len(events), int(events["hours"].sum())
-    return (
+    words = (
         f"{count} event{'s' * (count > 1)}, {hours:,} h of light, "
         f"{100 * events['share'].sum():.1f} % of the squared error"
     )
+    energy = events["energy"].sum(skipna=False)  # files of before do not have it
+    if np.isfinite(energy):
+        _, _, what = WORDS[events["effect"].iloc[0]]
+        words += f", {energy:.2g} kWh/kWp {what}"
+    return words
 
 
 def described(row: pd.Series | Mapping[Hashable, Any]) -> str:

@@ -62,8 +62,11 @@ WORTH = (
     "of the record, for 365 days. Of a fault of the irradiance sensor, and of what "
     "covers or shades it or the modules, it includes the irradiance. Of an effect that "
     "is missing from the model, it is the part that other coefficients of the model "
-    "would not make up. Clocks come "
-    "first, since a wrong clock can make all else wrong."
+    "would not make up. Of events that power shows, it is the difference of measured "
+    "and expected power, per kW that the plant gives at 1000 W/m² and 25 °C by its own "
+    "record. The energy of an outage that is a cause in the model is that of its "
+    "temperature alone. A dash stands for an unknown worth. Clocks come first, since a "
+    "wrong clock can make all else wrong."
 )
 #: words of the page
 TERMS = (
@@ -398,12 +401,20 @@ def undecided(loop: "Loop", statements: pd.DataFrame) -> Paragraph | Listing:
     if not open_:
         none = "Nothing: all that was found has one name."
         return paragraph(none if added(loop) else "Nothing was found.")
-    texts = dict(zip(statements["cause"], statements["text"]))
+    texts = events.texts_by_cause(statements)
+    others = statements[statements["verdict"] != events.EVENT]
+    energies = dict(zip(others["cause"], others["energy"]))
+
+    def worth(name: str) -> str:
+        """Energy of a finding; empty where it is unknown."""
+        energy = energies.get(name, np.nan)
+        return f", {energy:.1f} kWh/kWp per year" if np.isfinite(energy) else ""
+
     return listed(
         (
             texts.get(f.effect, names_of(f)),
-            f"{names_of(f)}; {verdict(f)}; {f.gain:.2f} K; {f.why}; it would be "
-            f"{numbers(f)}",
+            f"{names_of(f)}; {verdict(f)}; {f.gain:.2f} K{worth(f.effect)}; "
+            f"{f.why}; it would be {numbers(f)}",
         )
         for f in open_
     )
@@ -500,7 +511,7 @@ def in_time(loop: "Loop") -> list[Block]:
 def event_page(rows: pd.DataFrame) -> Table:
     """A table of events, the largest first."""
     head = ("@from", "@to", "#duration [h]", "#residual [K]", "#share of error [%]")
-    head += ("#power of expected [%]", "#temp_air [°C]")
+    head += ("#power of expected [%]", "#energy [kWh/kWp]", "#temp_air [°C]")
     cells = (
         (
             f"{row['start']:%Y-%m-%d %H:%M}",
@@ -509,6 +520,7 @@ def event_page(rows: pd.DataFrame) -> Table:
             f"{row['size']:.1f}",
             f"{100 * row['share']:.2f}",
             f"{100 * row['power']:.0f}",
+            number(row["energy"]),
             f"{row['temp_air']:.1f}",
         )
         for row in rows.head(MOST_EVENTS).to_dict("records")

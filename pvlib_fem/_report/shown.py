@@ -45,9 +45,9 @@ def shown(loop: "Loop", statements: pd.DataFrame) -> list[Shown]:
     -------
     list of Shown
     """
-    texts = {}
-    for cause, text in zip(statements["cause"], statements["text"]):
-        texts.setdefault(cause, text)
+    texts, order = events.texts_by_cause(statements), {}
+    for i, cause in enumerate(statements["cause"]):
+        order.setdefault(cause, i)
     items = [
         (one.fault, [picture] if (picture := picture_of_clock(one, loop)) else [])
         for one in loop.corrections
@@ -59,7 +59,6 @@ def shown(loop: "Loop", statements: pd.DataFrame) -> list[Shown]:
             picture = power_deficit(Rows(loop), EFFECTS[name])
             items.append((name, [picture] if picture else []))
     # the order of the statements, the most valuable first
-    order = {cause: i for i, cause in enumerate(texts)}
     items.sort(key=lambda pair: order.get(pair[0], len(order)))
     return [
         Shown(

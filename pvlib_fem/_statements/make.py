@@ -21,18 +21,17 @@ from pvlib_fem._findings import (
 from pvlib_fem._report import budget_text as budget, event_text as events
 from pvlib_fem._statements.causes import MODEL, MODULES, Clause, clause_of
 from pvlib_fem._statements.clock_sentences import APPLIED, clock_statement
-from pvlib_fem._statements.statement import Statement
+from pvlib_fem._statements.statement import DAYS, Statement, key_of
 from pvlib_fem.effects import find
 from pvlib_fem.effects._effect import Effect, deciding
 from pvlib_fem.effects._standstill import in_words
-from pvlib_fem.effects._time_profiles import number, written
+from pvlib_fem.effects._time_profiles import YEAR, number, written
 from pvlib_fem.quality._tracker_standstill import Standing
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.loop_result import Loop
 
 PATTERN = "unexplained pattern"
-DAYS = "days that stand out"
 HALF = 0.5  # of its days, on which modules stand out that do not stand with a sensor
 STUCK = "sensor_stuck"  # cause of a tracker's irradiance sensor that does not turn
 #: what a statement has of its first clause
@@ -52,10 +51,9 @@ def statements_of(loop: "Loop", energies: Mapping[str, float]) -> list[Statement
     Returns
     -------
     list of Statement
-        Clocks, days on which the irradiance sensor does not turn, causes in the model
-        by the energy that they change (where that is unknown, by what they take off the
-        error), events that power shows, unexplained patterns, days that stand out,
-        hints.
+        Clocks and days on which the irradiance sensor does not turn; then causes in the
+        model, events that power shows, unexplained patterns and days that stand out, by
+        the energy that they change, or in this order where it is unknown; then hints.
     """
     findings = [f for f in loop.finding_objects if f.kind is not Kind.STRUCTURE]
     findings.sort(key=lambda finding: -finding.gain)
@@ -64,20 +62,18 @@ def statements_of(loop: "Loop", energies: Mapping[str, float]) -> list[Statement
         for added in (True, False)
     )
     clocks = map(clock_statement, loop.corrections)
-    clocks, causes = (
-        [replace(one, energy=energies.get(one.cause, np.nan)) for one in some]
-        for some in (clocks, causes)
+    patterns = (pattern_statement(f, bool(loop.patterns)) for f in loop.unexplained)
+    clocks, causes, patterns, days, hints = (
+        [
+            replace(one, energy=energies.get(key_of(one.cause, one.since), np.nan))
+            for one in some
+        ]
+        for some in (clocks, causes, patterns, date_statements(loop), hints)
     )
-    causes.sort(key=lambda one: -np.nan_to_num(one.energy))  # equal ones keep the order
-    return [
-        *clocks,
-        *(standing_statement(one, loop.episodes) for one in loop.standings),
-        *causes,
-        *event_statements(loop),
-        *(pattern_statement(one, bool(loop.patterns)) for one in loop.unexplained),
-        *date_statements(loop),
-        *hints,
-    ]
+    ranked = [*causes, *event_statements(loop), *patterns, *days]
+    ranked.sort(key=lambda one: -np.nan_to_num(one.energy))  # equal ones keep the order
+    standings = (standing_statement(one, loop.episodes) for one in loop.standings)
+    return [*clocks, *standings, *ranked, *hints]
 
 
 def days_of(loop: "Loop") -> tuple[str, str]:
@@ -248,19 +244,26 @@ def pattern_statement(finding: Finding, predicted: bool = False) -> Statement:
 
 def event_statements(loop: "Loop") -> Iterator[Statement]:
     """Events of each kind as a statement."""
+    days = loop.fit.summary.days
     for name, rows in events.by_kind(loop).items():
-        device, happened = events.WORDS[name]
+        device, happened, _ = events.WORDS[name]
         first, last = rows["start"].min(), rows["end"].max()
+        modelled = "; its effect on temperature is in the model" * (
+            name in loop.effects
+        )
         log = "the inverter's log" if name == "outage" else "the site's log"
         yield Statement(
             cause=name,
             device=device,
-            verdict="event",
+            verdict=events.EVENT,
             text=(
                 f"{happened[:1].upper()}{happened[1:]} ({events.all_of(rows)}), most "
                 f"from {events.described(rows.iloc[0])}"
             ),
             action=f"Look up these hours, in loop.events, in {log}",
+            certainty=f"Power shows it{modelled}",
+            gain=float(np.hypot.reduce(rows["gain"])),
+            energy=float(rows["energy"].sum(skipna=False) * YEAR / days),
             since=f"{first:%Y-%m-%d}",
             until=f"{last:%Y-%m-%d}",
         )

@@ -6,6 +6,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 import pandas as pd
 
+DAYS = "days that stand out"
+
 
 @dataclass(frozen=True)
 class Statement:
@@ -67,6 +69,11 @@ class Statement:
     def __str__(self) -> str:
         sentences = (self.text, self.certainty, self.action)
         return " ".join(f"{one.rstrip('.')}." for one in sentences if one)
+
+
+def key_of(cause: str, since: str) -> str:
+    """Key of the energy of a statement; several stretches of days have one cause."""
+    return f"{cause} from {since}" if cause == DAYS else cause
 
 
 def as_table(statements: Iterable[Statement]) -> pd.DataFrame:

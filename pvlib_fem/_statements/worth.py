@@ -1,14 +1,18 @@
 """What each finding is worth: the yearly energy that it changes."""
 
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
+from pvlib_fem._findings import Verdict
 from pvlib_fem._record.inputs import Record, read
 from pvlib_fem._record.resampling import coarse
 from pvlib_fem._statements.causes import READS, SPECIAL
-from pvlib_fem._thermal.model import as_in_a_fit
+from pvlib_fem._statements.statement import DAYS, key_of
+from pvlib_fem._thermal.model import ThermalModel, as_in_a_fit
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import YEAR
 from pvlib_fem.quality._lag import retimed
@@ -35,7 +39,7 @@ LIGHT = (
 
 def energies(loop: "Loop", gamma: float = GAMMA) -> dict[str, float]:
     r"""
-    Absolute change of the expected DC energy by each finding, in a year.
+    Absolute change of the expected DC energy by each cause and pattern, in a year.
 
     Parameters
     ----------
@@ -46,8 +50,10 @@ def energies(loop: "Loop", gamma: float = GAMMA) -> dict[str, float]:
     Returns
     -------
     dict of float
-        By the name of the effect, or the fault of a clock; empty for a loop that was
-        read from a file, which has no rows. [kWh/kWp per year]
+        By the name of the effect or of the unexplained pattern, the fault of a clock,
+        or :func:`.statement.key_of` of days that stand out; empty for a loop that was
+        read from a file, which has no rows. Patterns that predictions do not have are
+        not in it. [kWh/kWp per year]
 
     Notes
     -----
@@ -68,45 +74,97 @@ def energies(loop: "Loop", gamma: float = GAMMA) -> dict[str, float]:
     Of an effect that is missing from the model, :math:`\Delta T` is the part that the
     model without it would not make up by other values of its bias, its loss and the
     dependence of its loss on wind: the remainder of a least-squares fit. Of the clock
-    of the module's logger, it is the error of the temperature as it was written.
+    of the module's logger, it is the error of the temperature as it was written. Of an
+    unexplained pattern, it is what the pattern adds to a prediction, and of a hint,
+    what its effect would add to the model. Of days that stand out, it is their mean
+    residual by day.
     """
     record = loop.fit.record
     if record is None:
         return {}
-    changes = clocks(loop, record, gamma)
-    if not loop.fit.effects:
+    changes = clocks(loop, record, gamma) | days(loop, record, gamma)
+    if not (loop.fit.effects or loop.patterns or loop.hint_effects):
         return changes
     record = coarse(record, STEP)
-    light, frame = kilowatt_hours(record.inputs), record.inputs.frame()
+    frame = record.inputs.frame()
     parts = loop.contributions(frame, correct_times=False)
-    usual, drivers = loop.inputs(frame)
-    temperature = loop.fit.predict(*usual, **drivers).to_numpy()
+    model = Modelled.from_loop(
+        loop, frame, loop.fit.thermal_model, loop.fit.coefficients
+    )
     for effect in loop.fit.effects:
-        warmer, kind = parts[effect.name].to_numpy(), effect.sensor_fault or effect.name
-        if kind in LIGHT:
-            heat = received(loop, usual, drivers, effect)
-            more = kilowatt_hours(record.inputs.having({"poa_global": heat}))
-            change = (light + more) * efficiency(temperature, gamma)
-            change = change - light * efficiency(temperature - warmer, gamma)
-        else:
-            if kind not in (*READS, *SPECIAL):
-                warmer = beyond_others(record, temperature, warmer)
-            change = light * gamma * warmer
+        change = change_by(effect, parts[effect.name].to_numpy(), model, record, gamma)
+        changes[effect.name] = per_year(record, change)
+    for name, error in loop.errors_by_pattern(frame).items():
+        change = kilowatt_hours(record.inputs) * gamma * error.to_numpy()
+        changes[str(name)] = per_year(record, change)
+    for effect, other in with_hints(loop, frame):
+        warmer = other.temperature - model.temperature
+        change = change_by(effect, warmer, other, record, gamma)
         changes[effect.name] = per_year(record, change)
     return changes
 
 
-def received(
-    loop: "Loop", usual: list[pd.Series], drivers: dict[str, pd.Series], effect: Effect
+@dataclass(frozen=True, eq=False)
+class Modelled:
+    """A model with its coefficients, and its temperature of the rows of a record."""
+
+    model: ThermalModel
+    coefficients: dict[str, float]
+    columns: dict[str, pd.Series | float]  # inputs and drivers
+    temperature: np.ndarray  # [°C]
+
+    @classmethod
+    def from_loop(
+        cls,
+        loop: "Loop",
+        frame: pd.DataFrame,
+        model: ThermalModel,
+        coefficients: dict[str, float],
+    ) -> "Modelled":
+        (poa, air, wind), drivers = loop.inputs(frame, model.drivers)
+        found = model.predict(poa, air, wind, coefficients=coefficients, **drivers)
+        columns = {"poa_global": poa, "temp_air": air, **drivers}
+        columns["wind_speed"] = 0.0 if wind is None else wind
+        return cls(model, coefficients, columns, found.to_numpy())
+
+    def received(self, effect: Effect) -> np.ndarray:
+        """Irradiance that the modules receive in addition to the reading. [W/m²]"""
+        inputs = as_in_a_fit(read(self.columns, purpose="the worth of a finding"))
+        base = self.model.base or self.coefficients
+        inputs = replace(self.model, base=base).with_drivers(inputs)
+        heat = effect.at(inputs.columns, self.coefficients).heat
+        return heat + np.zeros(len(inputs.index))
+
+
+def with_hints(loop: "Loop", frame: pd.DataFrame) -> Iterator[tuple[Effect, Modelled]]:
+    """Each effect of a hint, and the fitted model with it."""
+    hints = {f.effect: f for f in loop.finding_objects if f.verdict is Verdict.HINT}
+    model = loop.fit.thermal_model
+    for effect in loop.hint_effects:
+        if effect.name not in hints:
+            continue
+        with_it = replace(model, effects=(*model.effects, effect))
+        own = effect.start | hints[effect.name].coefficients
+        yield (
+            effect,
+            Modelled.from_loop(loop, frame, with_it, loop.fit.coefficients | own),
+        )
+
+
+def change_by(
+    effect: Effect, warmer: np.ndarray, modelled: Modelled, record: Record, gamma: float
 ) -> np.ndarray:
-    """Irradiance that the modules receive in addition to the reading. [W/m²]"""
-    poa, air, wind = usual
-    columns = {"poa_global": poa, "temp_air": air, **drivers}
-    columns["wind_speed"] = 0.0 if wind is None else wind
-    inputs = as_in_a_fit(read(columns, purpose="the worth of a finding"))
-    inputs = loop.fit.thermal_model.with_drivers(inputs)
-    heat = effect.at(inputs.columns, loop.fit.coefficients).heat
-    return heat + np.zeros(len(inputs.index))
+    """Change of the energy of rows by an effect of a model. [kWh/kWp]"""
+    kind, light = effect.sensor_fault or effect.name, kilowatt_hours(record.inputs)
+    if kind in LIGHT:
+        heat = modelled.received(effect)
+        more = kilowatt_hours(record.inputs.having({"poa_global": heat}))
+        cooler = modelled.temperature - warmer
+        change = (light + more) * efficiency(modelled.temperature, gamma)
+        return change - light * efficiency(cooler, gamma)
+    if kind not in (*READS, *SPECIAL):
+        warmer = beyond_others(record, modelled.temperature, warmer)
+    return light * gamma * warmer
 
 
 def beyond_others(
@@ -133,6 +191,18 @@ def per_year(record: Record, change: np.ndarray) -> float:
     known = np.isfinite(change)
     days = len(np.unique(record.dates[known]))
     return float(np.abs(change[known]).sum() * YEAR / days) if days else np.nan
+
+
+def days(loop: "Loop", record: Record, gamma: float) -> dict[str, float]:
+    """Of days that stand out, by their mean residual."""
+    changes, light = {}, kilowatt_hours(record.inputs)
+    dates = record.dates.astype("datetime64[D]")
+    for row in loop.episodes.to_dict("records"):
+        first, last = (row[name].to_datetime64() for name in ("start", "end"))
+        within = (dates >= first) & (dates <= last)
+        change = np.where(within, light * gamma * row["day"], 0.0 * light)
+        changes[key_of(DAYS, f"{row['start']:%Y-%m-%d}")] = per_year(record, change)
+    return changes
 
 
 def clocks(loop: "Loop", record: Record, gamma: float) -> dict[str, float]:

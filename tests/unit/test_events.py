@@ -1,10 +1,13 @@
 """Outages and covers by a plant's power: which effect, which hours, and none else."""
 
+import json
+
 import numpy as np
 import pandas as pd
 import pytest
 
 import pvlib_fem as fem
+from pvlib_fem._budget.covers_and_outages import Hours, rows_of
 from pvlib_fem._budget.stretch_noise import DayNoise, Noise
 from pvlib_fem._findings import Verdict
 from pvlib_fem.simulator import PHYSICS
@@ -175,6 +178,85 @@ def test_an_outage_of_days_is_one_event(clean):
     assert row["power"] < 0.01 and row["hours"] > 40
 
 
+# ------------------------------------------------------------------ what they are worth
+YEARS = 365.2425 / 365  # in the record
+
+
+def at_standard(data):
+    """Power at 1000 W/m² and 25 °C, by bright rows of a plant without events."""
+    warm = 1.0 - 0.004 * (data["temp_module"] - 25.0)
+    bright = data["poa_global"] > 700.0
+    return (data["power_ac"] / (data["poa_global"] / 1000.0 * warm))[bright].median()
+
+
+@pytest.mark.parametrize("kind", HAPPENS)
+def test_the_energy_of_events_is_the_power_that_the_plant_had_without_them(clean, kind):
+    """Or, of a covered sensor, the power that its irradiance does not explain."""
+    data, places = with_events(clean, kind)
+    loop = fem.close_loop(data)
+    rows = np.any(places, axis=0)
+    without = clean["power_ac"] * 0.6 if kind == "sensor_covered" else data["power_ac"]
+    change = (clean["power_ac"] - without)[rows].sum() * 0.5 / at_standard(clean)
+    assert loop.events["energy"].sum() == pytest.approx(change, rel=0.05)
+    (one,) = (s for s in loop.statements.itertuples() if s.verdict == "event")
+    assert one.energy == pytest.approx(loop.events["energy"].sum() * YEARS)
+    # of the modules alone it is far more than the temperature changes
+    (effect,) = (s for s in loop.statements.itertuples() if s.verdict == "identified")
+    assert effect.cause == one.cause and loop.yearly_energy[kind] == effect.energy
+    assert effect.energy < (0.05 if kind == "outage" else 1.0) * one.energy
+
+
+def test_the_gain_of_an_event_is_what_its_mean_takes_off_the_error(clean):
+    data = clean.copy()
+    (rows,) = bright_days(data, 1)
+    outage(data, rows, 0.0)
+    loop = fem.close_loop(data)
+    (event,), (one,) = (
+        loop.events.to_dict("records"),
+        (s for s in loop.statements.itertuples() if s.verdict == "event"),
+    )
+    assert "outage" not in loop.effects  # so that the residual has it
+    residual = loop.fit.residual.dropna()
+    within = residual[event["start"] : event["end"]]
+    rest = residual.copy()
+    rest[within.index] -= within.mean()
+    fall = (residual**2).mean() - (rest**2).mean()
+    assert one.gain == event["gain"] == pytest.approx(np.sqrt(fall), rel=0.02)
+
+
+def test_hours_as_expected_are_worth_nothing():
+    """And each hour with another power is worth what it lacks or has more."""
+    times = pd.date_range("2023-06-01 08:00", periods=8, freq="30min", tz="Etc/GMT-1")
+    some = np.full(8, 500.0)
+    change = np.array([0.0, 0.0, 0.0, 0.0, -0.1, -0.1, 0.3, 0.1])
+    columns = dict.fromkeys(("seen", "shown", "power", "expected"), some)
+    columns |= {"residual": 10.0 * change, "energy": change, "portion": some / 5e4}
+    columns |= {"loss": some, "off": 0.0 * some}
+    hours = Hours.from_columns(times, np.ones(8, dtype=bool), columns, {})
+    kinds = np.array(["outage"] * 2 + ["sensor_covered"] * 2)
+    rows = rows_of(hours, [(0, 2), (2, 4)], kinds, 1.0)
+    nothing, event = sorted(rows, key=lambda row: row["energy"])
+    assert nothing["energy"] == nothing["gain"] == 0.0
+    assert event["energy"] == pytest.approx(0.6)
+    # four rows of a hundred, with a mean of 0.5 K
+    assert event["gain"] == pytest.approx(np.sqrt(0.04) * 0.5)
+
+
+def test_a_file_without_their_energy_is_read(snowed, tmp_path):
+    """As written before events had one."""
+    content = json.loads(snowed.to_json())
+    for event in content["events"]:
+        del event["energy"], event["gain"]
+    path = tmp_path / "loop.json"
+    path.write_text(json.dumps(content))
+    again = fem.Loop.from_json(path)
+    assert again.events["energy"].isna().all() and "kWh/kWp lost" not in again.report()
+    (one,) = (s for s in again.statements.itertuples() if s.verdict == "event")
+    assert np.isnan(one.energy)
+    kept = {name: snowed.yearly_energy[name] for name in again.yearly_energy}
+    assert "modules_covered" in kept and again.yearly_energy == kept
+
+
 @pytest.fixture(scope="module")
 def snowed(clean):
     """A tenth of the days with covered modules."""
@@ -198,6 +280,8 @@ def test_the_report_and_the_file_have_them(snowed, tmp_path):
     snowed.to_json(path)
     again = fem.Loop.from_json(path)
     pd.testing.assert_frame_equal(again.events, snowed.events)
+    pd.testing.assert_frame_equal(again.statements, snowed.statements)
+    assert "kWh/kWp lost" in report
     assert again.fit.effects[-1].spec == snowed.fit.effects[-1].spec
     page = snowed.to_html()
     assert "Power shows that the modules were covered" in page

@@ -12,8 +12,10 @@ import pvlib_fem as fem
 from pvlib_fem import simulator
 from pvlib_fem._loop.predicted_patterns import Pattern
 from pvlib_fem._record.inputs import read
+from pvlib_fem._statements.worth import energies as energies_of
 from pvlib_fem._statistics.axes import Axis, axes, sorted_by
 from pvlib_fem._statistics.tables import Table
+from pvlib_fem.scores import GAMMA
 from pvlib_fem.simulator import PHYSICS, RHINE
 
 PLACE = dict(
@@ -64,6 +66,21 @@ def test_predictions_have_the_error_of_the_table(closed):
         rest = loop.residual(data, patterns=patterns)[rows]
         found = np.sqrt(np.mean(rest**2))
         assert found == pytest.approx(loop.table.loc[step, "rmse_test"], rel=1e-3)
+
+
+def test_a_pattern_is_worth_what_it_adds_to_predictions(closed):
+    data, loop = closed
+    hours = data["poa_global"] / 1000.0 * 0.5
+    energies = loop.statements.set_index("cause")["energy"]
+    for one in loop.patterns:
+        alone = replace(loop, patterns=(one,))
+        added = alone.predict(data) - alone.predict(data, patterns=False)
+        change = np.abs(GAMMA * hours * added).sum() * 365.2425 / 200
+        assert energies[one.name] == pytest.approx(change, rel=0.01) and change > 0.1
+        nothing = replace(one, means=(0.0,) * len(one.means))
+        assert energies_of(replace(loop, patterns=(nothing,)))[one.name] == 0.0
+    added = loop.statements[loop.statements["verdict"] != "hint"]
+    assert (np.diff(added["energy"]) <= 0.0).all()  # the most valuable first
 
 
 def test_contributions_add_up(closed):

@@ -1,8 +1,10 @@
 """What findings are worth: the energy that a known fault changes."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from conftest import COLUMNS, DRIVERS
 from test_corrected import (  # noqa: F401 (fixtures)
@@ -17,6 +19,7 @@ from test_corrected import (  # noqa: F401 (fixtures)
 import pvlib_fem as fem
 from pvlib_fem import simulator
 from pvlib_fem._statements import make
+from pvlib_fem._statements.statement import DAYS
 from pvlib_fem._statements.worth import energies
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
@@ -115,6 +118,61 @@ def test_statements_are_made_once(true, sound, monkeypatch):  # noqa: F811
     monkeypatch.setattr(make, "statements_of", lambda *a: made.append(1) or real(*a))
     print(loop, loop.to_html()[:1], loop.to_json()[:1], len(loop.statements))
     assert made == [1] and loop.conclusion
+
+
+@pytest.fixture(scope="module")
+def too_short():
+    """A loop that sees an effect, and whose record is too short to add it."""
+    effects = simulator.PHYSICS | {"sky_radiation": 1.0, "wind_direction": 1.0}
+    data = simulator.record(effects=effects, days=45, step=1800.0, start="2023-04-01")
+    drivers = ["wind_direction", "longwave_down"]
+    return fem.close_loop(data[[*COLUMNS, *drivers]])
+
+
+def test_a_hint_is_worth_what_its_effect_would_be_worth_in_the_model(too_short):
+    """By the difference of the whole model to that without it."""
+    hints = [f for f in too_short.finding_objects if f.verdict == "hint"]
+    energies_of_hints = too_short.statements.set_index("cause")["energy"]
+    assert hints and {f.effect for f in hints} == {
+        e.name for e in too_short.hint_effects
+    }
+    for hint, effect in zip(hints, too_short.hint_effects, strict=True):
+        fit = too_short.fit
+        fit = replace(
+            fit,
+            effects=(*fit.effects, effect),
+            coefficients=fit.coefficients | hint.coefficients,
+        )
+        added = replace(too_short, fit=fit, hint_effects=())
+        wanted = energies(added)[effect.name]
+        assert energies_of_hints[hint.effect] == pytest.approx(wanted, rel=1e-6)
+        assert wanted > 0.1
+        nothing = replace(hint, coefficients=dict.fromkeys(hint.coefficients, 0.0))
+        without = replace(too_short, finding_objects=(nothing,))
+        assert energies(without)[effect.name] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_page_and_a_file_have_the_energy_of_a_hint(too_short, tmp_path):
+    too_short.to_json(path := tmp_path / "loop.json")
+    again = fem.Loop.from_json(path)
+    (first, *_) = (s for s in too_short.statements.itertuples() if s.verdict == "hint")
+    pd.testing.assert_frame_equal(again.statements, too_short.statements)
+    for loop in (too_short, again):
+        assert f", {first.energy:.1f} kWh/kWp per year" in loop.to_html()
+        assert f"{first.energy:.2g} kWh/kWp a year" in str(loop)
+
+
+def test_days_that_stand_out_are_worth_their_mean_residual(too_short):
+    days = pd.DataFrame(
+        {"start": ["2023-04-10"], "end": ["2023-04-11"], "days": 2, "day": -2.0}
+    ).assign(night=1.0, share=0.1)
+    days = days.astype({"start": "datetime64[ns]", "end": "datetime64[ns]"})
+    loop = replace(too_short, episodes=days)
+    record = loop.fit.record
+    light = pd.Series(record["poa_global"], record.index)["2023-04-10":"2023-04-11"]
+    wanted = light.sum() / 1000.0 * HOURS * 2.0 * abs(GAMMA) * 365.2425 / 45
+    (one,) = (s for s in loop.statements.itertuples() if s.cause == DAYS)
+    assert one.energy == pytest.approx(wanted)
 
 
 def test_means_of_five_minutes_are_worth_what_minutes_are(monkeypatch):
