@@ -94,7 +94,8 @@ def lines(comparison: ModuleComparison) -> Iterator:
         )
     for row in table.itertuples():
         if row.note:
-            yield f"{row.Index}: {row.note}" + ("" if row.used else " (not used)")
+            note = row.note.removeprefix(f"{row.Index} ")
+            yield f"{row.Index}: {note}" + ("" if row.used else " (not used)")
 
 
 def cells(row: Any) -> tuple:

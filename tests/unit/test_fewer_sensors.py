@@ -180,7 +180,9 @@ def test_module_sensors_are_compared_without_wind(calm):
             **{f"temp_module_{i}": calm["temp_air"] + share * over + noise}
         )
     data = calm.drop(columns="temp_module")
+    data.iloc[5:9, data.columns.get_loc("temp_module_1")] = -999.0
     found = fem.compare_modules(data, model="ross")
+    assert "\ntemp_module_1: holds the fill value -999 in 4 rows" in str(found)
     assert found.table["share"].to_list() == pytest.approx([1.04, 1.07, 0.89], abs=0.02)
     with pytest.raises(ValueError, match="data lack wind_speed"):
         fem.compare_modules(data)
