@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from pvlib_fem._record.names import unmapped
 from pvlib_fem._report.document import (
     Block,
     Link,
@@ -31,6 +32,7 @@ from pvlib_fem.fleet._tasks import CLOCK, TASKS
 from pvlib_fem.types import FilePath
 
 SHOWN = 50  # rows of each table of the page
+OF_COLUMN = "driver:"  # before the column of the user's own that an effect is of
 OWN = ("u0", "u1", "k", "d", "k_w", "tau", "capacity", "bias")
 
 
@@ -76,7 +78,9 @@ def report(
         section("Clock and location faults", clock_faults(findings, pages)),
         section("What failed", failures(systems)),
         section("Systems to visit first", to_visit(systems, pages)),
-        section("What was found", by_effect(systems, findings)),
+        section(
+            "What was found", unnamed_columns(findings), by_effect(systems, findings)
+        ),
         section("What systems of a site share", by_site(systems, findings, pages)),
         section(
             f"Coefficients by {by}",
@@ -173,6 +177,27 @@ def clock_faults(findings: pd.DataFrame, pages: Pages) -> Paragraph | Table:
         "A fault that is not corrected can falsify all other findings of its system."
     )
     return shortened_table(head, rows, len(faults), words, wraps=True)
+
+
+def unnamed_columns(findings: pd.DataFrame) -> list[Paragraph]:
+    """Causes that may be columns which the table of systems does not name."""
+    if findings.empty:
+        return []
+    causes = findings[findings["effect"].str.startswith(OF_COLUMN)]
+    systems = causes.groupby(causes["effect"].str.removeprefix(OF_COLUMN))["id"]
+    likely = unmapped(dict(iter(systems)))
+    if not likely:
+        return []
+    some = "; ".join(
+        f"{column} (in {few_names(systems.get_group(column).unique())}) as {name}"
+        for column, name in likely.items()
+    )
+    return [
+        paragraph(
+            "A column without a known name may be taken for a cause that it is not. "
+            f"These may have one, to be given in the table of systems: {some}."
+        )
+    ]
 
 
 def by_effect(systems: pd.DataFrame, findings: pd.DataFrame) -> Paragraph | Table:

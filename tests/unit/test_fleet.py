@@ -23,6 +23,7 @@ import pvlib_fem as fem
 from pvlib_fem import _cli as cli, _stored as stored, fleet, simulator
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem.fleet import _store as store
+from pvlib_fem.fleet._report import unnamed_columns
 from pvlib_fem.fleet._shared import few_names, shared_causes
 from pvlib_fem.fleet._store import TABLES, page_path, result_path
 from pvlib_fem.fleet._systems_table import opened_table, systems_of
@@ -510,6 +511,15 @@ def test_a_class_of_many_is_told_in_a_line():
 def test_a_site_of_one_system_shares_nothing():
     systems, findings = rows_of(("a", ["soiling"], 0.3, None))
     assert shared_causes(systems[:1].assign(weighed=SEES), findings) == []
+
+
+def test_the_page_names_columns_that_the_table_of_systems_does_not():
+    """A plant's power in kW under a name of its own is no cause of an error."""
+    effects = ["driver:Pdc_kW", "driver:Pdc_kW", "driver:fan", "soiling"]
+    findings = pd.DataFrame({"id": ["b", "a", "a", "a"], "effect": effects})
+    (one,) = unnamed_columns(findings)
+    assert "Pdc_kW (in a, b) as power_dc." in one.text and "fan" not in one.text
+    assert unnamed_columns(findings[2:]) == [] and unnamed_columns(findings[:0]) == []
 
 
 def test_the_page_has_every_state_and_links_to_each_system(table, tmp_path):
