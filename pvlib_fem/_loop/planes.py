@@ -7,7 +7,6 @@ import pandas as pd
 
 from pvlib_fem._record.column_names import (
     ROTATION,
-    numeric,
     printable,
     refuse_no_frame,
     with_aliases,
@@ -56,12 +55,14 @@ def plane_of_columns(
         If a plane is given and the columns have another, or their angles are none.
     """
     own = [label for label in data if printable(label) in ANGLES]
-    columns = numeric(with_aliases(data[own], ())) if own else {}
+    columns = with_aliases(data[own], ()) if own else {}
     columns = {n: checked_column(n, c) for n, c in columns.items() if c.notna().any()}
     known = {name: column.dropna().to_numpy() for name, column in columns.items()}
     data = data.drop(columns=own)
-    if not known and (turned := by_rotation(data, site["mount"])) is not None:
-        own = [label for label in data if printable(label) == ROTATION]
+    own = [label for label in data if printable(label) == ROTATION]
+    rotates = any(data[label].notna().any() for label in own)
+    turned = by_rotation(data, site["mount"]) if rotates and not known else None
+    if turned is not None:
         return data.drop(columns=own), {**site, "mount": turned}
     if known and site["mount"] is not None:
         raise ValueError(

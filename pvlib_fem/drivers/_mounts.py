@@ -18,6 +18,7 @@ from pvlib_fem.drivers._planes import (
     ByColumns,
     by_rotation,
     code,
+    floats,
     normals,
 )
 from pvlib_fem.drivers._solar import sun
@@ -325,9 +326,10 @@ def checked_column(name: Any, column: Any) -> Any:
     Raises
     ------
     ValueError
-        If a tilt is not from 0 to 180°, or an azimuth not from 0 to 360°.
+        If an angle is no number, a tilt not from 0 to 180°, or an azimuth not from 0
+        to 360°.
     """
-    values, (low, high) = column.astype(float), RANGES[name]
+    values, (low, high) = floats(name, column), RANGES[name]
     if (off := (values < low) | (values > high)).any():
         at = int(np.argmax(off.to_numpy()))
         what = TURNED if name == TILT else FROM_SOUTH

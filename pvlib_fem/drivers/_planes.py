@@ -8,6 +8,7 @@ import pandas as pd
 from pvlib.pvsystem import SingleAxisTrackerMount
 from pvlib.tracking import calc_surface_orientation
 
+from pvlib_fem._record.checks import as_numbers
 from pvlib_fem._record.column_names import GEOMETRY, ROTATION, printable
 
 TILT, AZIMUTH = ANGLES = GEOMETRY[2:]
@@ -128,12 +129,12 @@ def by_rotation(data: Any, mount: Any) -> Any:
     Raises
     ------
     ValueError
-        If a rotation is not from -180 to 180°.
+        If a rotation is no number, or not from -180 to 180°.
     """
     own = [label for label in data if printable(label) == ROTATION]
     if not own or not isinstance(mount, SingleAxisTrackerMount):
         return None
-    theta = data[own[0]].astype(float)
+    theta = floats(ROTATION, data[own[0]])
     if (off := theta.abs() > 180.0).any():
         at = int(np.argmax(off.to_numpy()))
         raise ValueError(
@@ -141,6 +142,11 @@ def by_rotation(data: Any, mount: Any) -> Any:
             f"to 180°; {code(theta.iloc[at])}"
         )
     return ByColumns(data.index, rotated(theta.to_numpy(), mount), mount)
+
+
+def floats(name: str, column: Any) -> Any:
+    """A column of angles as floats; ValueError with its name for other content."""
+    return pd.Series(as_numbers(name, column, column.index), column.index)
 
 
 def rotated(theta: Any, mount: Any) -> Any:

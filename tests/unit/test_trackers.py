@@ -626,3 +626,23 @@ def test_a_wrong_tracker_in_the_table_is_refused(tmp_path, cells, words):
     table = pd.DataFrame([row | {"axis_azimuth": "180"} | cells])
     with pytest.raises(ValueError, match=words):
         fem.fleet.run(table, tmp_path, workers=0)
+
+
+@pytest.mark.parametrize("name", ["surface_tilt", "tracker_theta"])
+@pytest.mark.parametrize("text", ["flat", "30.0"])
+def test_a_text_among_angles_is_named(record, plain, name, text):
+    angles = record["surface_tilt"].astype(object)
+    angles.iloc[7] = text
+    data = plain if name == "tracker_theta" else record
+    how = {"mount": MOUNT} if name == "tracker_theta" else {}
+    words = f"{name} holds '{text}' at {record.index[7]} (row 7)"
+    with pytest.raises(ValueError, match=re.escape(words)):
+        fem.close_loop(data.assign(**{name: angles}), location=WHERE, **how)
+
+
+def test_rotations_without_a_value_leave_the_tracker_as_described(plain, described):
+    data = plain.assign(tracker_theta=np.nan)
+    loop = fem.close_loop(data, location=WHERE, mount=MOUNT)
+    assert "tracker_theta holds no value: not used" in loop.notes
+    assert loop.fit.coefficients == described.fit.coefficients
+    assert loop.effects == described.effects
