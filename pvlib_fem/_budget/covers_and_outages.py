@@ -327,7 +327,8 @@ def event_table(rows: list, extra: Sequence | dict = ()) -> pd.DataFrame:
         ``share`` of the squared residual [-], ``power`` over that expected [-],
         ``temp_air`` [°C] and ``extra``.
     """
-    names = [*COLUMNS, *(name for name in extra if name not in COLUMNS)]
+    # a file without events has no further columns
+    names = [*COLUMNS, *(name for name in extra if rows and name not in COLUMNS)]
     table = pd.DataFrame(rows, columns=names)
     numbers = {name: float for name in names if name not in COLUMNS[:4]}
     return table.astype({"hours": int, **numbers})

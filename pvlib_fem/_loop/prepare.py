@@ -20,6 +20,7 @@ from pvlib_fem._record.column_names import (
     ALWAYS,
     COLUMNS,
     GEOMETRY,
+    doubts_of_power,
     is_cross_check,
     is_power,
     numeric,
@@ -408,6 +409,7 @@ def notes_of(
             f"{', '.join(columns)} cross-check{'s' * alone} the instruments and "
             f"drive{'s' * alone} nothing"
         )
+    yield from doubts_of_power(look.whole, criteria.max_missing_share)
     yield from gaps(look.whole, look.drivers, wanted)
 
 

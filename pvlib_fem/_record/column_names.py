@@ -174,6 +174,43 @@ def plant_power(record: Any, most: float) -> dict:
     return powers
 
 
+def doubts_of_power(record: Any, most: float) -> Iterator[str]:
+    """
+    Why columns of a plant's power show no outage and no cover.
+
+    Parameters
+    ----------
+    record : Record
+    most : float
+        Share of the rows by day that may have no value. [-]
+
+    Yields
+    ------
+    str
+    """
+    light = record["poa_global"] > DAYLIGHT
+    for name in PLANT_POWER if light.any() else ():
+        if name not in record.inputs.columns:
+            continue
+        values = record[name][light]
+        missing, known = np.isnan(values).mean(), values[~np.isnan(values)]
+        if missing > most:
+            yield (
+                f"{100.0 * missing:.0f} % of {name} by day is missing, so that it "
+                "shows no outage and no cover"
+            )
+        elif known.min() == known.max():
+            yield (
+                f"{name} is {known[0]:g} at all hours of the day, so that it shows no "
+                "outage and no cover"
+            )
+        elif np.median(known) < 0.0:
+            yield (
+                f"{name} is {np.median(known):.3g} by day (median): turn its sign, so "
+                "that it shows outages and covers"
+            )
+
+
 def is_cross_check(name: str) -> bool:
     """
     Whether a column cross-checks an instrument and drives no effect itself.

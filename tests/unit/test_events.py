@@ -1,6 +1,7 @@
 """Outages and covers by a plant's power: which effect, which hours, and none else."""
 
 import json
+import re
 
 import numpy as np
 import pandas as pd
@@ -362,3 +363,24 @@ def test_what_cannot_be_put_in_is_refused(clean):
         fem.recover_events(clean.drop(columns="power_ac"))
     with pytest.raises(ValueError, match="no day has room for outage of 30 K"):
         fem.recover_events(clean, "outage", size=30.0)
+
+
+UNFIT = {
+    "power_ac is -.* by day .*: turn its sign": lambda power: -power,
+    "power_ac is 0 at all hours of the day": lambda power: 0.0 * power,
+    r"\d\d % of power_ac by day is missing": lambda power: power.where(
+        np.arange(len(power)) % 3 == 0
+    ),
+}
+
+
+@pytest.mark.parametrize("words", UNFIT)
+def test_power_that_shows_no_event_is_named(clean, words, tmp_path):
+    data = clean[: 48 * 90]
+    assert not any("outage" in note for note in fem.close_loop(data).notes)
+    loop = fem.close_loop(data.assign(power_ac=UNFIT[words](data["power_ac"])))
+    (note,) = (note for note in loop.notes if "outage" in note)
+    assert re.match(words, note)
+    loop.to_json(tmp_path / "loop.json")
+    again = fem.Loop.from_json(tmp_path / "loop.json")
+    pd.testing.assert_frame_equal(again.events, loop.events)
