@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import pvlib_fem as fem
-from pvlib_fem._budget.covers_and_outages import Hours, rows_of
+from pvlib_fem._budget.covers_and_outages import Hours, rows_of_events
 from pvlib_fem._budget.stretch_noise import DayNoise, Noise
 from pvlib_fem._findings import Verdict
 from pvlib_fem.simulator import PHYSICS
@@ -235,7 +235,7 @@ def test_hours_as_expected_are_worth_nothing():
     columns |= {"loss": some, "off": 0.0 * some}
     hours = Hours.from_columns(times, np.ones(8, dtype=bool), columns, {})
     kinds = np.array(["outage"] * 2 + ["sensor_covered"] * 2)
-    rows = rows_of(hours, [(0, 2), (2, 4)], kinds, 1.0)
+    rows = rows_of_events(hours, [(0, 2), (2, 4)], kinds, 1.0)
     nothing, event = sorted(rows, key=lambda row: row["energy"])
     assert nothing["energy"] == nothing["gain"] == 0.0
     assert event["energy"] == pytest.approx(0.6)
