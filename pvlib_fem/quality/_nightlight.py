@@ -3,10 +3,9 @@
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._record.checks import dates_of
 from pvlib_fem._record.clean import CleanRecord
 from pvlib_fem.quality._limits import Limits
-from pvlib_fem.quality._outliers import slots
+from pvlib_fem.quality._outliers import packed, slots
 
 #: at the equator, and anywhere in winter, the day ends within that from noon [days]
 HALF_DAY = 0.25
@@ -21,22 +20,23 @@ class NightLight:
 
     Parameters
     ----------
-    ends : DatetimeIndex
-        First and last time.
+    days : array of int, shape (days,)
+        Sorted days with rows, since 1970-01-01.
     limits : Limits
     """
 
-    def __init__(self, ends: pd.DatetimeIndex, limits: Limits) -> None:
+    def __init__(self, days: np.ndarray, limits: Limits) -> None:
         self.limits = limits
         self.parts = round(86400.0 / limits.daylight_tolerance)
-        self.first, last = dates_of(ends)
-        days = int(last) - int(self.first) + 1
-        self.known, self.lit, self.sum = (np.zeros((days, self.parts)) for _ in "abc")
+        self.days = days
+        self.row = packed(days, max(limits.noon_window, limits.daylight_window))
+        shape = self.row[-1] + 1, self.parts
+        self.known, self.lit, self.sum = (np.zeros(shape) for _ in "abc")
 
     def places(self, index: pd.DatetimeIndex) -> np.ndarray:
         """Day and time of day of each row, as one number."""
         day, part = slots(index, self.limits)
-        return (day - self.first) * self.parts + part
+        return self.row[np.searchsorted(self.days, day)] * self.parts + part
 
     def add(self, index: pd.DatetimeIndex, poa: np.ndarray) -> None:
         """Look at the next rows."""
@@ -92,7 +92,7 @@ def share(lit: np.ndarray, there: np.ndarray, side: int) -> np.ndarray:
 
 
 def light_by_night(
-    clean: CleanRecord, ends: pd.DatetimeIndex, step: float, limits: Limits
+    clean: CleanRecord, days: np.ndarray, step: float, limits: Limits
 ) -> list:
     """
     Rows of light by night, each with its time and value, of a record's blocks.
@@ -101,8 +101,8 @@ def light_by_night(
     ----------
     clean : CleanRecord
         With ``poa_global``.
-    ends : DatetimeIndex, shape (2,)
-        First and last time.
+    days : array of int, shape (days,)
+        Sorted days with rows, since 1970-01-01.
     step : float
         Usual time between rows; none is found where it is long. [s]
     limits : Limits
@@ -115,7 +115,7 @@ def light_by_night(
     """
     if step > limits.max_noon_step:
         return []
-    nights = NightLight(ends, limits)
+    nights = NightLight(days, limits)
     for block in clean.blocks(("poa_global",)):
         nights.add(block.index, block["poa_global"])
     dark, parts = nights.dark(), []

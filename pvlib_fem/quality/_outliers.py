@@ -127,6 +127,30 @@ def slots(index: pd.DatetimeIndex, limits: Limits) -> tuple[np.ndarray, np.ndarr
     return day.astype("i8"), (seconds // limits.daylight_tolerance).astype(int)
 
 
+def packed(days: np.ndarray, side: int) -> np.ndarray:
+    """
+    Number days anew, with gaps no longer than a window reaches.
+
+    A table of these numbers has few rows for a record with a stray time, which can be
+    millennia from all others.
+
+    Parameters
+    ----------
+    days : numpy.ndarray of int, shape (n,)
+        Sorted days, such as those of :func:`slots`.
+    side : int
+        Days on each side of a window. [days]
+
+    Returns
+    -------
+    numpy.ndarray of int, shape (n,)
+        From 0. Days that are up to ``side`` days apart stay so, and others are at least
+        one more.
+    """
+    gaps = np.diff(days, prepend=days[:1])
+    return np.cumsum(np.minimum(gaps, side + 1))
+
+
 def is_light(usual: pd.DataFrame, day: Any, slot: Any, limits: Limits) -> Any:
     """
     Whether some parts of days are light on the days around.
@@ -147,14 +171,17 @@ def is_light(usual: pd.DataFrame, day: Any, slot: Any, limits: Limits) -> Any:
         True for light.
     """
     # days beyond a gap of months are of another season
-    days = np.arange(usual.index.min(), usual.index.max() + 1)
+    side = limits.daylight_window
+    places = packed(usual.index.to_numpy(), side)
     around = (
-        usual.reindex(days)
-        .rolling(2 * limits.daylight_window + 1, 1, center=True)
+        usual.set_axis(places)
+        .reindex(np.arange(places[-1] + 1))
+        .rolling(2 * side + 1, 1, center=True)
         .max()
     )
-    places = around.index.get_indexer(day), around.columns.get_indexer(slot)
-    return around.to_numpy()[places] > limits.min_sunny_irradiance
+    rows = places[usual.index.get_indexer(day)]
+    values = around.to_numpy()[rows, around.columns.get_indexer(slot)]
+    return values > limits.min_sunny_irradiance
 
 
 #: ends of a column at which its sensor, or a logger, may stop: most, and least. Light

@@ -289,6 +289,10 @@ def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening
     others = [printable(label) for label in data if label not in labels.values()]
     others = [name for name in others if range_of(name) is not None]
     odd = [f"{name} is not numeric and was not screened" for name in others]
+    try:
+        refuse_stray(record.index, limits)
+    except ValueError as stray:  # a screening reports it, and refuses nothing
+        odd.append(str(stray))
     odd += oddities(screening.judged(), limits)
     clipped = screening.rules()
     odd += [f"{name} {reason}" for name, reason in screening.doubts.items()]

@@ -260,8 +260,8 @@ class Screener:
 
     def light_by_night(self) -> None:
         """Take irradiance out that is there at night, where other nights are dark."""
-        ends = pd.DatetimeIndex([*map(self.clean.source.at, self.look.ends)])
-        parts = light_by_night(self.clean, ends, self.look.step, self.limits)
+        days = np.array(sorted(self.look.days))
+        parts = light_by_night(self.clean, days, self.look.step, self.limits)
         if parts and sum(len(rows) for rows, *_ in parts):
             self.note("light by night", "poa_global", *map(np.concatenate, zip(*parts)))
             self.look_again()

@@ -12,11 +12,13 @@ from hypothesis import given, strategies as st
 from pvlib.location import Location
 from scipy.signal import lfilter
 
+import pvlib_fem as fem
 from pvlib_fem import close_loop, datasets, simulator
 from pvlib_fem.quality._check import check, stuck
 from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._module_lag import clock_shift
 from pvlib_fem.quality._noon import solar_noon_shift
+from pvlib_fem.quality._outliers import packed
 from pvlib_fem.quality._stuck import Standing, most_kept
 from pvlib_fem.quality._unit_checks import doubtful
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, RHINE
@@ -337,9 +339,20 @@ def test_a_stray_time_is_refused_by_name(rows, time, years):
     with pytest.raises(ValueError, match=years) as error:
         close_loop(data)
     assert "a logger that lost its clock; drop such rows" in str(error.value)
-    # nor does the clock alone take memory for millennia
-    found = clock_shift(checked(data))
-    assert abs(found.late) < 60
+    assert re.search(years, " ".join(fem.screen_record(data).notes))
+    assert abs(clock_shift(checked(data)).late) < 60
+
+
+@pytest.mark.parametrize("side", [1, 3, 10])
+@given(days=st.sets(st.integers(0, 3_000_000), min_size=1, max_size=40))
+def test_days_of_any_gap_take_few_rows_of_a_table(side, days):
+    """A stray time is millennia away; within a window nothing changes."""
+    days = np.array(sorted(days))
+    packed_days = packed(days, side)
+    assert packed_days[0] == 0 and packed_days[-1] <= (side + 1) * len(days)
+    apart, kept = (np.subtract.outer(some, some) for some in (days, packed_days))
+    near = np.abs(apart) <= side
+    assert (kept[near] == apart[near]).all() and (np.abs(kept[~near]) > side).all()
 
 
 def test_two_campaigns_years_apart_are_one_record():
