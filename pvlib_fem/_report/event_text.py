@@ -45,7 +45,19 @@ def by_kind(loop: "Loop") -> dict[str, pd.DataFrame]:
 
 
 def texts_by_cause(statements: pd.DataFrame) -> dict[str, str]:
-    """Text of each cause: that of the finding, where events have the same name."""
+    """
+    Text of each cause: that of the finding, where events have the same name.
+
+    Parameters
+    ----------
+    statements : DataFrame
+        ``loop.statements``.
+
+    Returns
+    -------
+    dict of str
+        By the name of the cause.
+    """
     events = statements["verdict"] == EVENT
     ordered = pd.concat([statements[events], statements[~events]])
     return dict(zip(ordered["cause"], ordered["text"]))

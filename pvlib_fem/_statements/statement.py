@@ -72,7 +72,21 @@ class Statement:
 
 
 def key_of(cause: str, since: str) -> str:
-    """Key of the energy of a statement; several stretches of days have one cause."""
+    """
+    Key of the energy of a statement; several stretches of days have one cause.
+
+    Parameters
+    ----------
+    cause : str
+        Name of the effect, fault or pattern.
+    since : str
+        First date.
+
+    Returns
+    -------
+    str
+        The cause, of stretches of days with their first date.
+    """
     return f"{cause} from {since}" if cause == DAYS else cause
 
 
