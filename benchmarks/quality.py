@@ -20,7 +20,7 @@ from pvlib.location import Location
 from pvlib_fem import datasets, simulator
 from pvlib_fem._record.inputs import as_record
 from pvlib_fem.quality._noon import solar_noon_shift
-from pvlib_fem.quality._screening import stuck
+from pvlib_fem.quality._screening import stuck_rows
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, RHINE, Site
 
 PAGE = Path(__file__).parents[1] / "docs" / "quality.md"
@@ -71,7 +71,7 @@ def frozen(data, seed, hours=8, events=4):
 
 
 def ours(data):
-    return stuck(as_record(*(data[name] for name in USUAL)))
+    return stuck_rows(as_record(*(data[name] for name in USUAL)))
 
 
 def theirs(flag, minutes=None):

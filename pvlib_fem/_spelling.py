@@ -91,7 +91,7 @@ UNCHECKED = ShellText("check_units=False (--no-unit-check)", "--no-unit-check")
 FIXED = ShellText("fixed", "--fix")
 
 
-def alike(word: str, known: Iterable[object], most: int = 3) -> list[str]:
+def similar_names(word: str, known: Iterable[object], most: int = 3) -> list[str]:
     """
     Names that a misspelled word may stand for, the nearest first.
 
@@ -133,7 +133,7 @@ def did_you_mean(words: str | Iterable[str], known: Iterable[object]) -> str:
         Such as ``" (did you mean 'Irr [W/m2]'?)"``.
     """
     words, known = [words] if isinstance(words, str) else list(words), list(known)
-    near = {word: " or ".join(map(repr, alike(word, known))) for word in words}
+    near = {word: " or ".join(map(repr, similar_names(word, known))) for word in words}
     near = {word: names for word, names in near.items() if names}
     if not near:
         return ""

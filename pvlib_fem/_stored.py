@@ -82,7 +82,7 @@ def written(kind: str, content: dict, path: Any = None) -> str:
     kind : str
         Format of the file, such as ``"pvlib_fem.FemFit"``.
     content : dict
-        Fields of the result, as Python has them; see :func:`plain`.
+        Fields of the result, as Python has them; see :func:`as_json`.
     path : str or path-like, optional
         None writes nothing.
 
@@ -113,10 +113,10 @@ def stamped(kind: str, content: dict) -> dict:
     dict
         In types of JSON, with ``format`` and ``version`` first.
     """
-    return plain({"format": kind, "version": VERSION, **content})
+    return as_json({"format": kind, "version": VERSION, **content})
 
 
-def plain(content: Any) -> Any:
+def as_json(content: Any) -> Any:
     """
     Convert a result, or other content of a file, to types of JSON.
 

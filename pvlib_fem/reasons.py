@@ -146,7 +146,7 @@ class Because:
                 if key not in ("reason", "words")
             }
             reasons.append(because(Reason[one["reason"]], **values))
-        reason = together(reasons)
+        reason = joined_reasons(reasons)
         str(reason)  # a value that its sentence cannot have is refused here
         return reason
 
@@ -183,7 +183,7 @@ def because(reason: Reason, /, **values: Any) -> Because:
     return Because(reason, values)
 
 
-def together(reasons: list) -> Because:
+def joined_reasons(reasons: list) -> Because:
     """
     Join several reasons for one fact.
 

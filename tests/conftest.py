@@ -13,7 +13,7 @@ from pvlib_fem._record.inputs import as_record
 from pvlib_fem.datasets._download import FOLDER
 from pvlib_fem.drivers import sun
 from pvlib_fem.quality._limits import Limits
-from pvlib_fem.quality._screen import alone
+from pvlib_fem.quality._screen import screened_alone
 
 # the same few examples in every run; `make fuzz` takes many, and others each time
 settings.register_profile("few", max_examples=25, deadline=None, derandomize=True)
@@ -49,7 +49,7 @@ def pytest_collection_modifyitems(items):
 
 def measured(*columns, **drivers):
     """A record before the search for stuck sensors."""
-    return alone(as_record(*columns, **drivers), Limits())[0]
+    return screened_alone(as_record(*columns, **drivers), Limits())[0]
 
 
 def call(*arguments):

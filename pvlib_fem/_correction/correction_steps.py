@@ -21,7 +21,7 @@ from pvlib_fem._record.header_units import QUANTITIES, UNITS, own_unit
 from pvlib_fem._record.inputs import read
 from pvlib_fem.drivers import MEASURED, behind, completed
 from pvlib_fem.effects._effect import Effect, Terms
-from pvlib_fem.quality._clock_changes import plain
+from pvlib_fem.quality._clock_changes import wall_time
 from pvlib_fem.quality._lag import by_module_logger
 from pvlib_fem.quality._unit_checks import unit_of_driver
 
@@ -48,7 +48,7 @@ class Work:
     @property
     def days(self) -> tuple[str, str]:
         """First and last day of the rows within the record."""
-        times = plain(self.data.index)[self.inside]
+        times = wall_time(self.data.index)[self.inside]
         return f"{times[0]:%Y-%m-%d}", f"{times[-1]:%Y-%m-%d}"
 
     def as_it_was(
@@ -116,7 +116,7 @@ class Work:
             return
         file = next(o for o in loop.corrections if o.columns == ("all",) and o.applied)
         cause = file.fault
-        index, before = self.data.index, plain(self.data.index)
+        index, before = self.data.index, wall_time(self.data.index)
         times, known = loop.times.corrected(index)
         if not (known & self.inside).any():
             raise ValueError(
@@ -247,7 +247,7 @@ class Work:
         """The corrected record."""
         if outside := np.count_nonzero(~self.inside):
             words = f"all columns: {outside:,} rows are {BEYOND} and stay as they were."
-            ends = ends_of(plain(self.data.index)[~self.inside])
+            ends = ends_of(wall_time(self.data.index)[~self.inside])
             self.as_it_was(BEYOND, "all", words, ~self.inside, ends)
             self.flags[BEYOND] = ~self.inside
         parts = {}

@@ -10,7 +10,7 @@ from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem._record.column_names import numeric, with_aliases
 from pvlib_fem._record.parquet import Made, ParquetRecord
-from pvlib_fem._record.ranges import possible
+from pvlib_fem._record.ranges import possible_range
 from pvlib_fem._record.resampling import Sums
 from pvlib_fem._spelling import argument, refusal
 from pvlib_fem.drivers import checked_place
@@ -319,7 +319,7 @@ def again(columns: dict, index: pd.Index, place: dict, transposition: str) -> di
 
 def within(name: str, column: Any) -> Any:
     """A column with NaN instead of impossible values."""
-    low, high, _ = possible(name)
+    low, high, _ = possible_range(name)
     known = (column >= low) & (column <= high)
     if isinstance(column, pd.Series):
         return column.where(known)

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._record.checks import no_datetimes
-from pvlib_fem.quality._clock_changes import plain
+from pvlib_fem.quality._clock_changes import wall_time
 from pvlib_fem.quality._module_lag import Clock
 
 
@@ -62,9 +62,9 @@ class Times:
         clock : Clock
             Clock of the module's logger, as it was corrected.
         """
-        own = plain(index)
+        own = wall_time(index)
         offsets: tuple[tuple[str, float], ...] = ()
-        added = np.asarray((plain(corrected) - own[kept]).total_seconds())
+        added = np.asarray((wall_time(corrected) - own[kept]).total_seconds())
         if added.any():
             begins = np.flatnonzero(np.diff(added, prepend=np.nan) != 0.0)
             times = own[kept][begins]
@@ -72,7 +72,7 @@ class Times:
         edges = np.flatnonzero(np.diff(~kept, prepend=False, append=False))
         lost = [(str(own[a]), str(own[b - 1])) for a, b in zip(edges[::2], edges[1::2])]
         first, last = str(own.min()), str(own.max())
-        origin = str(plain(corrected[0]))
+        origin = str(wall_time(corrected[0]))
         return cls(zone_name(index), first, last, offsets, tuple(lost), origin, clock)
 
     def in_zone(self, index: pd.Index) -> pd.Index:
@@ -101,7 +101,7 @@ class Times:
     def inside(self, index: pd.Index) -> np.ndarray:
         """Find the times that lie within the record, in its zone."""
         times = datetimes(index)
-        own = plain(times)
+        own = wall_time(times)
         within = (own >= pd.Timestamp(self.first)) & (own <= pd.Timestamp(self.last))
         return np.asarray(within) & (zone_name(times) == self.zone)
 
@@ -129,7 +129,7 @@ class Times:
         if not self.offsets:
             return index, known
         times = datetimes(index)
-        own, rows = plain(times), self.inside(times)
+        own, rows = wall_time(times), self.inside(times)
         begins = pd.DatetimeIndex([time for time, _ in self.offsets])
         place = np.maximum(begins.searchsorted(own, side="right") - 1, 0)
         added = np.where(rows, np.array([by for _, by in self.offsets])[place], 0.0)
@@ -149,7 +149,7 @@ class Times:
         values : array, shape (rows,)
             Of a column that the module's logger wrote.
         """
-        times = plain(datetimes(index)) - pd.Timestamp(self.origin)
+        times = wall_time(datetimes(index)) - pd.Timestamp(self.origin)
         seconds = times.total_seconds().to_numpy()
         return self.module.corrected(seconds, np.asarray(values))
 

@@ -14,7 +14,7 @@ from pvlib_fem._loop.weeks import Part
 from pvlib_fem._record.column_names import GEOMETRY
 from pvlib_fem._record.filters import counted
 from pvlib_fem._record.inputs import Record
-from pvlib_fem._record.resampling import coarse, covered
+from pvlib_fem._record.resampling import coarse, covered_rows
 from pvlib_fem.drivers import geometry
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.quality._lag import by_module_logger
@@ -77,7 +77,7 @@ class Case:
         """Rows of the coarse record that the search may look at."""
         seen = np.asarray(counted(self.record.inputs.columns, with_night=True))
         masks = self.seen, self.parts != Part.FITTING
-        some, kept = covered(masks, self.whole, self.record)
+        some, kept = covered_rows(masks, self.whole, self.record)
         return seen & some & ~kept
 
     @cached_property

@@ -42,8 +42,8 @@ from pvlib_fem.quality._irradiance_clock import twin_clock
 from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._module_lag import Clock
 from pvlib_fem.quality._plane import Plane, fixed_rather, plane_of
-from pvlib_fem.quality._screen import Faults, alone
-from pvlib_fem.quality._screening import stuck
+from pvlib_fem.quality._screen import Faults, screened_alone
+from pvlib_fem.quality._screening import stuck_rows
 from pvlib_fem.quality._stray_times import refuse_stray
 from pvlib_fem.quality._stuck import stuck_line
 from pvlib_fem.quality._unit_checks import oddities, options_of
@@ -282,7 +282,7 @@ def looked(
     refuse_stray(usual.index, limits)
     purposes = parts(usual, counting(usual), holdout, criteria, spared)
     test = purposes == Part.TEST
-    hidden, faults = alone(
+    hidden, faults = screened_alone(
         with_columns(without_answer(usual, test), numeric(columns)),
         limits,
         check_units,
@@ -460,14 +460,14 @@ def with_answer(
     """
     name = "temp_module"
     own = hidden.only(COLUMNS).having({name: usual[name]})
-    own, answer = alone(own, limits, check_units=False, names=(name,))
+    own, answer = screened_alone(own, limits, check_units=False, names=(name,))
     answered, came = np.where(test, own[name], hidden[name]), usual[name]
     # as it came it needs no room of its own
     same = np.array_equal(answered, came, equal_nan=True)
     whole = hidden.having({name: came if same else answered})
     before = faults.record.having({name: came})
     faults = replace(faults.and_in(test, answer), record=before)
-    still = {n: test & rows for n, rows in stuck(own, limits).items()}
+    still = {n: test & rows for n, rows in stuck_rows(own, limits).items()}
     both = {n: rows | still.get(n, False) for n, rows in health.frozen.items()}
     if any(rows.any() for rows in both.values()):
         line = {"stuck": stuck_line(whole, both)}

@@ -96,7 +96,9 @@ class CleanRecord:
 
     def lacking(self, rows: dict) -> "CleanRecord":
         """The record without further spans of rows, by column."""
-        both = {name: joined(self.holes_of(name), more) for name, more in rows.items()}
+        both = {
+            name: joined_spans(self.holes_of(name), more) for name, more in rows.items()
+        }
         return replace(self, holes=self.holes | both)
 
     def clipped(self) -> "CleanRecord":
@@ -134,7 +136,7 @@ class CleanRecord:
         """Columns of a block as they are screened."""
         columns = dict(columns)
         for name, values in columns.items():
-            for first, end in within(self.holes_of(name), start, rows):
+            for first, end in spans_within(self.holes_of(name), start, rows):
                 columns[name] = values = np.array(values)
                 values[first:end] = np.nan
         if self.clip and "poa_global" in columns:
@@ -166,13 +168,13 @@ def spans(rows: list | np.ndarray, start: int = 0) -> np.ndarray:
     return np.column_stack([first, last + 1]) + start
 
 
-def joined(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+def joined_spans(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Spans of both, in order."""
     both = np.concatenate([one, other])
     return both[np.argsort(both[:, 0], kind="stable")]
 
 
-def united(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+def united_spans(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """
     Spans of both, which may overlap, as spans that do not.
 
@@ -186,13 +188,13 @@ def united(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     array of int, shape (spans, 2)
         In order.
     """
-    both = joined(one, other)
+    both = joined_spans(one, other)
     ends = np.maximum.accumulate(both[:, 1])
     first = np.flatnonzero(np.append(True, both[1:, 0] > ends[:-1]))
     return np.column_stack([both[first, 0], np.append(ends[first[1:] - 1], ends[-1])])
 
 
-def size(some: np.ndarray) -> int:
+def count_rows(some: np.ndarray) -> int:
     """
     Number of rows in spans that do not overlap.
 
@@ -208,7 +210,7 @@ def size(some: np.ndarray) -> int:
     return int((some[:, 1] - some[:, 0]).sum())
 
 
-def within(some: np.ndarray, start: int, rows: int) -> np.ndarray:
+def spans_within(some: np.ndarray, start: int, rows: int) -> np.ndarray:
     """Parts of spans within a block, counted from its first row."""
     if not len(some):
         return some
@@ -216,7 +218,7 @@ def within(some: np.ndarray, start: int, rows: int) -> np.ndarray:
     return np.clip(near - start, 0, rows)
 
 
-def masked(some: np.ndarray, rows: int) -> np.ndarray:
+def spans_mask(some: np.ndarray, rows: int) -> np.ndarray:
     """
     Booleans of the rows of a record, True in spans.
 
@@ -237,7 +239,7 @@ def masked(some: np.ndarray, rows: int) -> np.ndarray:
     return mask
 
 
-def covered(some: np.ndarray, rows: np.ndarray) -> np.ndarray:
+def rows_in_spans(some: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """
     Whether each of some rows is in a span.
 

@@ -526,7 +526,7 @@ def usable_drivers(
     for name, column in columns.items():
         if name in record.inputs.columns:
             column = pd.Series(record[name], record.index)
-        reason = unusable(name, column, seen, most_missing)
+        reason = why_no_driver(name, column, seen, most_missing)
         if name in taken:
             reason = because(Reason.TAKEN, column=name)
         if name.endswith(ORIGINAL) and name.removesuffix(ORIGINAL) in there:
@@ -539,7 +539,9 @@ def usable_drivers(
     return used, refused
 
 
-def unusable(name: str, column: Any, seen: dict, most_missing: float) -> Because | None:
+def why_no_driver(
+    name: str, column: Any, seen: dict, most_missing: float
+) -> Because | None:
     """Why a column can be no driver, if it cannot."""
     if not pd.api.types.is_numeric_dtype(column):
         return because(Reason.NOT_NUMERIC, column=name)
@@ -562,12 +564,14 @@ def unusable(name: str, column: Any, seen: dict, most_missing: float) -> Because
         return because(
             Reason.DOUBTFUL, column=name, doubt=f"{values_range}, no measurement"
         )
-    if copies := [other for other, usual in seen.items() if same(values, usual)]:
+    if copies := [
+        other for other, usual in seen.items() if is_scaled_copy(values, usual)
+    ]:
         return because(Reason.COPY, column=name, other=copies[0])
     return None
 
 
-def same(one: np.ndarray, other: np.ndarray) -> bool:
+def is_scaled_copy(one: np.ndarray, other: np.ndarray) -> bool:
     """
     Whether one column is a copy of another, but for a factor and an offset.
 
@@ -582,10 +586,10 @@ def same(one: np.ndarray, other: np.ndarray) -> bool:
         False with fewer than three common values, or where one is constant.
     """
     some = slice(None, None, max(1, len(one) // FEW))
-    return alike(one[some], other[some]) and alike(one, other)
+    return collinear(one[some], other[some]) and collinear(one, other)
 
 
-def alike(one: np.ndarray, other: np.ndarray) -> bool:
+def collinear(one: np.ndarray, other: np.ndarray) -> bool:
     both = np.isfinite(one) & np.isfinite(other)
     x, y = one[both], other[both]
     if both.sum() < 3 or x.std() == 0 or y.std() == 0:

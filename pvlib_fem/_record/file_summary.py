@@ -51,7 +51,7 @@ class Summary:
     @property
     def measured(self) -> list:
         """Names of the record's own columns, in order."""
-        return measured(self.missing, self.columns)
+        return measured_names(self.missing, self.columns)
 
 
 def present(rows: Rows | None) -> Rows:
@@ -107,7 +107,7 @@ def summary_of(record: Any) -> Summary:
     )
 
 
-def measured(missing: dict, columns: tuple | Columns) -> list:
+def measured_names(missing: dict, columns: tuple | Columns) -> list:
     return [n for n in missing if n in columns and n not in GEOMETRY]
 
 
@@ -123,7 +123,7 @@ def digest(record: Record) -> str:
     -------
     str
     """
-    names = measured(record.missing, record.inputs.columns)
+    names = measured_names(record.missing, record.inputs.columns)
     return digest_of(names, lambda names: [record.only(names)])
 
 

@@ -12,7 +12,7 @@ import pandas as pd
 from pvlib_fem._record.checks import instants
 from pvlib_fem._record.months import in_english
 from pvlib_fem._record.time_formats import ISO, without_letters
-from pvlib_fem._record.zone_candidates import standard
+from pvlib_fem._record.zone_candidates import standard_offset
 from pvlib_fem._spelling import did_you_mean
 
 UNIX = "unix"  # seconds since 1970 in UTC
@@ -28,7 +28,9 @@ DIGIT = re.compile(r"\d")
 MIDNIGHT = re.compile(r"(?<!\d)24([:. ]?)00")
 
 
-def timed(data: pd.DataFrame, layout: Any, name: str) -> tuple[pd.DataFrame, list]:
+def with_time_index(
+    data: pd.DataFrame, layout: Any, name: str
+) -> tuple[pd.DataFrame, list]:
     """
     The table on its times, and what was dropped for that, a sentence each.
 
@@ -61,15 +63,17 @@ def timed(data: pd.DataFrame, layout: Any, name: str) -> tuple[pd.DataFrame, lis
                 f"{', '.join(map(str, data.columns))}"
             )
         columns, data = data[time], data.drop(columns=time)
-    if rows := int((filled(columns) is not columns) and below(columns).sum()):
+    if rows := int(
+        (with_filled_dates(columns) is not columns) and rows_below_date(columns).sum()
+    ):
         notes.append(f"dates that stand once a day, taken for the rows below: {rows:,}")
-    if layout.drop_untimed and (without := untimed(columns)).any():
+    if layout.drop_untimed and (without := rows_without_time(columns)).any():
         notes.append(
             f"rows without a time, left out: {without.sum():,}, the first is row "
             f"{int(np.argmax(without))}"
         )
         data, columns = of_numbers(data[~without]), of_numbers(columns[~without])
-    data = data.set_axis(times(columns, layout.time_format, layout.tz))
+    data = data.set_axis(times_of_columns(columns, layout.time_format, layout.tz))
     notes += times_of_others(data, layout.time_format)
     if layout.tz is not None:
         index, kept, lost = in_zone(data.index, layout.tz)
@@ -109,7 +113,7 @@ def off_rows(column: pd.Series, time_format: str) -> float:
     return abs(off).max().total_seconds() if (off != off[0]).any() else 0.0
 
 
-def untimed(columns: pd.DataFrame) -> Any:
+def rows_without_time(columns: pd.DataFrame) -> Any:
     """
     Rows that hold no time in any form: nothing, or a text without a digit.
 
@@ -122,7 +126,7 @@ def untimed(columns: pd.DataFrame) -> Any:
     -------
     array of bool, shape (rows,)
     """
-    columns = filled(columns)
+    columns = with_filled_dates(columns)
     without = np.array(columns.isna().any(axis=1))
     for _, column in columns.items():
         kinds = pd.api.types
@@ -137,7 +141,7 @@ def blank(column: pd.Series) -> pd.Series:
     return column.isna() | (column.astype(str).str.strip() == "")
 
 
-def below(columns: pd.DataFrame) -> np.ndarray:
+def rows_below_date(columns: pd.DataFrame) -> np.ndarray:
     """Rows that have a time of day, and their date in a row above alone."""
     first, last = columns.iloc[:, 0], columns.iloc[:, -1]
     if columns.shape[1] == 1:
@@ -146,9 +150,9 @@ def below(columns: pd.DataFrame) -> np.ndarray:
     return (empty & ~blank(last) & (~empty).cummax()).to_numpy(bool)
 
 
-def filled(columns: pd.DataFrame) -> Any:
+def with_filled_dates(columns: pd.DataFrame) -> Any:
     """Dates and times of day, each date in all rows of its day."""
-    if not (rows := below(columns)).any():
+    if not (rows := rows_below_date(columns)).any():
         return columns
     first = columns.iloc[:, 0]
     above = first.mask(blank(first)).ffill()
@@ -178,7 +182,7 @@ def of_numbers(data: Any) -> Any:
     return data.assign(**numbers) if numbers else data
 
 
-def times(
+def times_of_columns(
     columns: Any, time_format: Any = ISO, tz: str | None = None
 ) -> pd.DatetimeIndex:
     """
@@ -202,7 +206,7 @@ def times(
         If a row holds no time of the format, or day and month look exchanged.
     """
     name = " and ".join(f"{name!r}" for name in columns)
-    column = joined(columns)
+    column = joined_times(columns)
     parsed: Any
     if pd.api.types.is_datetime64_any_dtype(column):
         parsed = column
@@ -259,7 +263,7 @@ def no_time(
             f"{what} in row {row}: {held}; give --skip-end {after} if {last} no "
             "measurement, such as a total"
         )
-    if (without := untimed(columns))[row] and not without.all():
+    if (without := rows_without_time(columns))[row] and not without.all():
         more = int(without.sum()) - 1
         several = f", and in {more:,} more row{'s' * (more > 1)}" if more else ""
         return ValueError(
@@ -378,7 +382,7 @@ def unevenness(column: pd.Series) -> tuple[int, float]:
     return int((steps <= 0).sum()), float(np.abs(steps).sum())
 
 
-def joined(columns: pd.DataFrame) -> Any:
+def joined_times(columns: pd.DataFrame) -> Any:
     """
     The times as one column, where a file has them in one or in several.
 
@@ -393,7 +397,7 @@ def joined(columns: pd.DataFrame) -> Any:
         One column as it is, except that a date that stands once a day is in all rows of
         it; parts as texts with a space between them.
     """
-    first, *others = (column for _, column in filled(columns).items())
+    first, *others = (column for _, column in with_filled_dates(columns).items())
     if not others:
         return first
     text = [column.map(as_text) for column in others]
@@ -484,14 +488,14 @@ def in_zone(index: Any, tz: Any) -> Any:
     if index.tz is not None:
         return index.tz_convert(tz), np.ones(len(index), dtype=bool), []
     if len(index) and index[0] > index[-1]:  # the newest row is the first
-        times, there, once = (part[::-1] for part in placed(index[::-1], tz))
+        times, there, once = (part[::-1] for part in naive_in_zone(index[::-1], tz))
     else:
-        times, there, once = placed(index, tz)
+        times, there, once = naive_in_zone(index, tz)
     lost = [*skipped(index, tz, there), *once_only(index, tz, once)]
     return times, there & ~once, lost
 
 
-def placed(index: Any, tz: str) -> Any:
+def naive_in_zone(index: Any, tz: str) -> Any:
     """
     Put naive times into a zone.
 
@@ -566,7 +570,7 @@ def skipped(index: Any, tz: Any, there: Any) -> list:
     """
     if there.all():
         return []
-    hours = standard(tz)
+    hours = standard_offset(tz)
     fixed = f" (Etc/GMT{-hours:+.0f})" if hours == round(hours) else ""
     return [
         f"rows at times that the clock of {tz} skips, left out: {(~there).sum():,}, "

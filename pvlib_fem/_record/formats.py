@@ -14,12 +14,12 @@ from pvlib_fem._record.file_times import (
     SERIAL,
     UNIX,
     as_text,
-    joined,
+    joined_times,
     of_numbers,
     parsed_times,
-    timed,
+    rows_without_time,
     unevenness,
-    untimed,
+    with_time_index,
 )
 from pvlib_fem._record.layout import Layout
 from pvlib_fem._record.time_formats import (
@@ -121,7 +121,7 @@ def with_times(raw: pd.DataFrame, layout: Layout, doubts: list, file: str) -> La
 
 def of_letters(columns: Any, layout: Layout, doubts: list) -> Any:
     """The layout with the zone of letters that more than one has, the most usual."""
-    column = joined(columns)
+    column = joined_times(columns)
     zones = zones_of(column)
     if len(zones) > 1:
         doubts.append(
@@ -136,24 +136,24 @@ def in_parts(raw: pd.DataFrame) -> dict:
     for first, second in product(OF_YEAR, OF_DAY):
         parts = {}
         for form, pattern in (first | second).items():
-            name = next((c for c in raw if re.fullmatch(pattern, plain(c))), None)
+            name = next((c for c in raw if re.fullmatch(pattern, plain_name(c))), None)
             parts |= {} if name is None else {name: form}
         if len(parts) < len(first | second):
             continue
-        read = parsed_times(joined(raw[list(parts)]), " ".join(parts.values()))
+        read = parsed_times(joined_times(raw[list(parts)]), " ".join(parts.values()))
         if read.notna().all() and unevenness(read)[0] == 0:
             return parts
     return {}
 
 
-def plain(column: Any) -> str:
+def plain_name(column: Any) -> str:
     """A column's name in small letters, without brackets."""
     return re.sub(r"[\[({].*?[\])}]", "", str(column)).strip().lower()
 
 
 def formats(columns: pd.DataFrame, tz: str | None = None) -> list:
     """Formats in which all times can be read and tell the hour, the best first."""
-    without = untimed(columns)
+    without = rows_without_time(columns)
     if without.mean() > 0.5:
         return []
     some = of_numbers(columns[~without])
@@ -162,7 +162,7 @@ def formats(columns: pd.DataFrame, tz: str | None = None) -> list:
     some = some.iloc[:: max(1, len(some) // LOOKED_AT)]
     if some.empty:
         return []
-    column = joined(some)
+    column = joined_times(some)
     ways = product(DATES, (" ", ", "), HOURS)
     first = column.iloc[:FIRST].astype(str)
     zone = ""
@@ -231,7 +231,7 @@ def lines_after(raw: pd.DataFrame, layout: Layout) -> int:
         return 0
     for end in range(min(AFTER, len(raw) - 1) + 1):
         try:
-            timed(raw.iloc[: len(raw) - end], replace(layout, tz=None), "")
+            with_time_index(raw.iloc[: len(raw) - end], replace(layout, tz=None), "")
         except ValueError:
             continue
         return end
@@ -264,7 +264,7 @@ def with_times_only(
     if isinstance(raw.index, pd.DatetimeIndex) and not layout.time:
         without = raw.index.isna()
     else:
-        without = untimed(raw[time_columns(raw, layout)])
+        without = rows_without_time(raw[time_columns(raw, layout)])
     if not without.any():
         return layout, raw
     rows = "a row holds" if without.sum() == 1 else f"{without.sum():,} rows hold"
@@ -292,7 +292,7 @@ def in_order(raw: pd.DataFrame, layout: Layout, name: str) -> Layout:
         where the times cannot be read.
     """
     try:
-        index = timed(raw, layout, name)[0].index
+        index = with_time_index(raw, layout, name)[0].index
     except ValueError:
         return layout
     rises = index.is_monotonic_increasing
@@ -320,13 +320,13 @@ def index_of(raw: pd.DataFrame, layout: Layout) -> Any:
         index = raw.index
     else:
         try:
-            index = timed(raw, replace(layout, tz=None), "")[0].index
+            index = with_time_index(raw, replace(layout, tz=None), "")[0].index
         except ValueError:
             return None
     return index
 
 
-def written(raw: pd.DataFrame, layout: Layout) -> pd.DatetimeIndex:
+def clock_times(raw: pd.DataFrame, layout: Layout) -> pd.DatetimeIndex:
     """
     Times as a clock showed them, without their distance from UTC.
 
@@ -344,7 +344,7 @@ def written(raw: pd.DataFrame, layout: Layout) -> pd.DatetimeIndex:
     """
     if isinstance(raw.index, pd.DatetimeIndex):
         return raw.index.tz_localize(None)
-    text = joined(raw[time_columns(raw, layout)]).astype(str)
+    text = joined_times(raw[time_columns(raw, layout)]).astype(str)
     form = layout.time_format.removesuffix("%z").strip()
     if "%Z" in form:
         text, form, _ = without_letters(text, form, layout.tz)

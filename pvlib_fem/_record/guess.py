@@ -12,13 +12,13 @@ import pandas as pd
 
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.formats import (
+    clock_times,
     in_order,
     index_of,
     lines_after,
     time_columns,
     with_times,
     with_times_only,
-    written,
 )
 from pvlib_fem._record.header_units import (
     QUANTITIES,
@@ -33,15 +33,15 @@ from pvlib_fem._record.header_units import (
 )
 from pvlib_fem._record.kept_rows import good_texts, kept, pairs_of
 from pvlib_fem._record.layout import Layout, found_layout
-from pvlib_fem._record.logger_files import frame, table, texts
+from pvlib_fem._record.logger_files import file_table, frame, texts
 from pvlib_fem._record.long_tables import tag_and_value
 from pvlib_fem._record.names import (
     NAMES,
     NOT,
     is_own,
     mapped,
-    spelled,
-    unused,
+    spelled_name,
+    unused_columns,
     usual_name,
     without_unit,
 )
@@ -106,12 +106,12 @@ def guess(
     data, units = {}, {}
     for file, layout in zip(files, layouts):
         layout, below = found_layout(file, layout)
-        raw = table(file, layout)
+        raw = file_table(file, layout)
         layout, raw = with_tags(file, layout, raw, guessed.doubts)
         layout = with_times(raw, layout, guessed.doubts, file.name)
         if layout.skip_end == 0 and (end := lines_after(raw, layout)):
             layout = replace(layout, skip_end=end)
-            raw = table(file, layout)
+            raw = file_table(file, layout)
             last = f"each of the last {end} lines" if end > 1 else "the last line"
             guessed.doubts.append(
                 f"{last} holds no time in {file.name} and is left out by --skip-end"
@@ -124,7 +124,7 @@ def guess(
             sun = sunny(columns)
             zone = zone_of(index, place, sun, guessed.doubts)
             if index.tz is not None:
-                zone = zone_of_offsets(written(raw, layout), index)
+                zone = zone_of_offsets(clock_times(raw, layout), index)
             layout = replace(layout, tz=zone)
         guessed.layouts.append(in_order(raw, layout, file.name))
         for column in columns:
@@ -137,7 +137,7 @@ def guess(
     taken = guessed.columns.values()
     guessed.free = [str(column) for column in data if column not in taken]
     not_taken = {column: data[column] for column in data if column not in taken}
-    guessed.unused = unused(not_taken, guessed.there)
+    guessed.unused = unused_columns(not_taken, guessed.there)
     in_units(guessed, data, units)
     if check is not None:
         by_evidence(guessed, files, how or {}, check)
@@ -172,7 +172,7 @@ def with_tags(
                 f"{words.index[1]!r} among them: --keep "
                 f"{shlex.quote(f'{column}={words.index[0]}')} leaves out all but these"
             )
-    return layout, table(file, layout)
+    return layout, file_table(file, layout)
 
 
 def with_cells(
@@ -206,7 +206,7 @@ def with_cells(
 
 def rows_of(file: Path, layout: Layout) -> pd.DataFrame:
     """The table without the rows that the layout leaves out for their times."""
-    raw = table(file, layout)
+    raw = file_table(file, layout)
     return with_times_only(raw, layout, [], "")[1] if layout.drop_untimed else raw
 
 
@@ -216,7 +216,7 @@ def by_the_sun(data: dict, guessed: Guess) -> None:
     if "temp_module" in {*guessed.columns, *data} or air is None or light is None:
         return
     alike = re.compile(NAMES["temp_air"][-1])
-    other = [c for c in data if c != air and alike.search(spelled(c))]
+    other = [c for c in data if c != air and alike.search(spelled_name(c))]
     other = [c for c in other if not NOT.search(without_unit(c))]
     if len(other) != 1 or len({len(data[c]) for c in (light, air, *other)}) > 1:
         return

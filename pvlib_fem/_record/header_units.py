@@ -7,7 +7,7 @@ import pandas as pd
 from scipy import constants
 
 from pvlib_fem._record.column_names import is_other_light, is_power, twin_of
-from pvlib_fem._record.ranges import as_codes, possible
+from pvlib_fem._record.ranges import as_codes, possible_range
 from pvlib_fem._spelling import ShellText, did_you_mean, refusal
 
 FAHRENHEIT = constants.degree_Fahrenheit  # K
@@ -79,7 +79,7 @@ UNITS = {
 #: what falls in one step, of which its length makes a rate
 AMOUNTS = {"rain": ("mm", "in"), "irradiance": ("Wh/m²", "kWh/m²", "J/cm²")}
 WHOLE = ("W", "kW", "MW")  # power of all modules, of which their area makes a density
-#: other spellings, as :func:`plain` leaves them
+#: other spellings, as :func:`plain_unit` leaves them
 SPELLINGS = {
     "W/m²": ("w/m2", "wm2", "wm-2", "w/sqm", "watt/m2", "watts/m2"),
     "kW/m²": ("kw/m2", "kwm2", "kwm-2", "kw/sqm"),
@@ -170,7 +170,7 @@ def of_any_unit(name: str) -> tuple[float, float]:
     low, high : float
         Numbers without a unit: the lowest and the highest of all units.
     """
-    low, high, _ = possible(name)
+    low, high, _ = possible_range(name)
     ways = units_of(name).values()
     ends = [[(end - offset) / factor for end in (low, high)] for factor, offset in ways]
     return min(map(min, ends)), max(map(max, ends))
@@ -222,7 +222,7 @@ def unit_of(name: str, text: str) -> str:
         )
     known = units_of(name)
     for unit in known:
-        if plain(text) == plain(unit) or plain(text) in SPELLINGS[unit]:
+        if plain_unit(text) == plain_unit(unit) or plain_unit(text) in SPELLINGS[unit]:
             return unit
     raise ValueError(f"{name} cannot be in {text!r}; it may be in {', '.join(known)}")
 
@@ -245,7 +245,9 @@ def named_unit(name: str, header: str) -> str | None:
     """
     bracketed = re.findall(r"[\[({]([^\])}]*)[\])}]", header)
     bare = re.sub(r"[\[({][^\])}]*[\])}]", " ", header)
-    words = [word for word in re.split(r"[\s_,;:]+", bare) if plain(word) not in WORDS]
+    words = [
+        word for word in re.split(r"[\s_,;:]+", bare) if plain_unit(word) not in WORDS
+    ]
     bracketed = [part for text in bracketed for part in re.split("[,;]", text)]
     for text in (*bracketed, *words[1:]):  # the first word is the column's name
         try:
@@ -255,7 +257,7 @@ def named_unit(name: str, header: str) -> str | None:
     return None
 
 
-def plain(text: str) -> str:
+def plain_unit(text: str) -> str:
     """A unit without case, spaces and signs that only look."""
     text = text.strip().lower()
     for sign, letter in (("²", "2"), ("º", "°"), ("⁻¹", "-1"), ("−", "-")):
@@ -263,7 +265,7 @@ def plain(text: str) -> str:
     return re.sub(r"[\s^*·]", "", text)
 
 
-def converted(
+def converted_column(
     column: pd.Series,
     name: str,
     unit: str,
@@ -310,18 +312,18 @@ def converted(
     if (factor, offset) == (1.0, 0.0):
         return column
     new = factor * column + offset
-    return new.mask(stands_for_none(name, column) & impossible(name, new), column)
+    return new.mask(stands_for_none(name, column) & impossible_rows(name, new), column)
 
 
 def stands_for_none(name: str, column: pd.Series) -> np.ndarray:
     """Rows of a logger's codes, which have no unit and so stay as they are."""
     values = column.to_numpy(float, na_value=np.nan)
-    return as_codes(values)[0] & impossible(name, column)
+    return as_codes(values)[0] & impossible_rows(name, column)
 
 
-def impossible(name: str, column: pd.Series) -> np.ndarray:
+def impossible_rows(name: str, column: pd.Series) -> np.ndarray:
     """Rows of values that the column cannot hold."""
-    bounds = possible(name)
+    bounds = possible_range(name)
     if bounds is None:  # as of power, which an inverter draws little of by night
         return (column < 0).to_numpy()
     low, high, _ = bounds

@@ -12,7 +12,9 @@ from pvlib_fem._record.column_names import ANGLES
 LEAST = 0.5  # share of the shorter file's rows that has to find a partner
 
 
-def joined(tables: list, names: list, columns: Mapping) -> tuple[pd.DataFrame, list]:
+def joined_tables(
+    tables: list, names: list, columns: Mapping
+) -> tuple[pd.DataFrame, list]:
     """
     Tables on common times, those of the one with the longest step.
 
@@ -68,8 +70,8 @@ def joined(tables: list, names: list, columns: Mapping) -> tuple[pd.DataFrame, l
         if in_both < LEAST * min(len(table), len(whole)):
             raise ValueError(
                 f"only {in_both:,} of the {len(whole):,} times of {names[base]} are in "
-                f"{names[i]}: it has {span(table)}, the other {span(whole)}; give "
-                "--tz once for each file if their clocks are in different zones"
+                f"{names[i]}: it has {span_text(table)}, the other {span_text(whole)}; "
+                "give --tz once for each file if their clocks are in different zones"
             )
         how = "nearest rows" if steps[i] > steps[base] / 2.0 else "means over its steps"
         notes.append(
@@ -80,7 +82,7 @@ def joined(tables: list, names: list, columns: Mapping) -> tuple[pd.DataFrame, l
     return whole[[column for table in apart for column in table]], notes
 
 
-def stacked(
+def stacked_tables(
     tables: list, names: list, overlap: bool = False
 ) -> tuple[pd.DataFrame, str]:
     """
@@ -153,7 +155,7 @@ def refuse_disorder(table: pd.DataFrame, name: str) -> None:
         )
 
 
-def span(table: pd.DataFrame) -> Any:
+def span_text(table: pd.DataFrame) -> Any:
     return f"{table.index[0]:%Y-%m-%d %H:%M} to {table.index[-1]:%Y-%m-%d %H:%M}"
 
 
@@ -198,16 +200,17 @@ def onto(
             parts[name] = nearest[name].to_numpy()
             continue
         values = column.to_numpy(float, na_value=np.nan)
-        parts[name] = means(values, place, len(index), name in directions)
+        parts[name] = means_at_places(values, place, len(index), name in directions)
     return pd.DataFrame(parts, index)
 
 
-def means(values: Any, place: Any, size: int, angle: Any) -> Any:
+def means_at_places(values: Any, place: Any, size: int, angle: Any) -> Any:
     """Means of the rows at each of so many places, NaN where none is there."""
     if angle:
         turned = np.radians(values)
         east, north = (
-            means(part, place, size, False) for part in (np.sin(turned), np.cos(turned))
+            means_at_places(part, place, size, False)
+            for part in (np.sin(turned), np.cos(turned))
         )
         return np.degrees(np.arctan2(east, north)) % 360.0
     there = ~np.isnan(values)

@@ -55,10 +55,10 @@ def merged(levels: list) -> list:
         Cells without spaces around them; ``""`` where nothing is to the left.
     """
     *upper, last = [[bare(cell) for cell in level] for level in levels]
-    return [*map(filled, upper), last]
+    return [*map(filled_level, upper), last]
 
 
-def filled(level: Any) -> Any:
+def filled_level(level: Any) -> Any:
     cells, before = [], ""
     for cell in level:
         before = cell or before
@@ -72,7 +72,7 @@ def levels_of(data: Any) -> Any:
     return [list(labels.get_level_values(n)) for n in range(labels.nlevels)]
 
 
-def flat(data: Any) -> Any:
+def with_flat_labels(data: Any) -> Any:
     """
     The table with labels of several levels joined to one text.
 

@@ -75,10 +75,10 @@ def found_layout(file: Path, layout: Any = None) -> tuple[Layout, dict]:
     if file.suffix.lower() in EXCEL:
         sheets = pd.read_excel(file, sheet_name=None, header=None, nrows=LINES)
         name, rows = max(
-            ((name, cells(sheet)) for name, sheet in sheets.items()),
+            ((name, text_rows(sheet)) for name, sheet in sheets.items()),
             key=lambda sheet: likeness(sheet[1], "."),
         )
-        header, units = outside(rows, ".")
+        header, units = header_lines(rows, ".")
         first = name == next(iter(sheets))
         return replace(layout, sheet=0 if first else name, **header), units
     encoding = encoding_of(file)
@@ -95,7 +95,7 @@ def found_layout(file: Path, layout: Any = None) -> tuple[Layout, dict]:
         rows = [line.lstrip(COMMENT).split() for line in lines]
         ways = [(likeness(rows, sign), SPACES, sign, rows) for sign in NUMBERS]
     _, sep, decimal, rows = max(ways, key=lambda way: way[0])
-    header, units = outside(rows, decimal)
+    header, units = header_lines(rows, decimal)
     how = dict(sep=sep, decimal=decimal, encoding=encoding)
     return replace(layout, **how, **header), units
 
@@ -114,27 +114,27 @@ def encoding_of(file: Path) -> str:
     return "utf-8"
 
 
-def cells(sheet: pd.DataFrame) -> list:
+def text_rows(sheet: pd.DataFrame) -> list:
     """Rows of a sheet as text."""
     text = sheet.astype(object).where(sheet.notna(), "")
     return [[str(cell) for cell in row] for row in text.to_numpy()]
 
 
-def number(cell: str, decimal: str) -> bool:
+def is_number_cell(cell: str, decimal: str) -> bool:
     return NUMBERS[decimal].fullmatch(cell.strip()) is not None
 
 
-def known(cell: str, decimal: str) -> bool:
+def is_logger_cell(cell: str, decimal: str) -> bool:
     """Whether a cell is what a logger's row is made of."""
-    if any(number(cell, sign) for sign in NUMBERS):  # 13.5 is no time, either
-        return number(cell, decimal)
+    if any(is_number_cell(cell, sign) for sign in NUMBERS):  # 13.5 is no time, either
+        return is_number_cell(cell, decimal)
     return TIME.fullmatch(cell.strip()) is not None
 
 
 def is_data(row: list, width: int, decimal: str) -> bool:
     """Whether a row has a logger's values."""
     filled = [cell for cell in row if cell.strip()]
-    seen = sum(known(cell, decimal) for cell in filled)
+    seen = sum(is_logger_cell(cell, decimal) for cell in filled)
     return len(row) == width and seen >= 2 and seen >= 0.5 * len(filled)
 
 
@@ -152,11 +152,13 @@ def likeness(rows: list, decimal: str) -> float:
     later = [row for row in rows[len(rows) // 2 :] if len(row) == width]
     filled = [cell for row in later for cell in row if cell.strip()]
     return (
-        sum(known(cell, decimal) for cell in filled) / max(len(filled), 1) * len(later)
+        sum(is_logger_cell(cell, decimal) for cell in filled)
+        / max(len(filled), 1)
+        * len(later)
     )
 
 
-def outside(rows: list, decimal: str) -> Any:
+def header_lines(rows: list, decimal: str) -> Any:
     """The header and lines to leave out, and the units that one of these gives."""
     width = width_of(rows)
     data = [is_data(row, width, decimal) for row in rows]

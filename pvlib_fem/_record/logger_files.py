@@ -11,20 +11,20 @@ import pandas as pd
 
 from pvlib_fem._record.checks import usual_step
 from pvlib_fem._record.column_names import renamed
-from pvlib_fem._record.file_times import in_order, timed
+from pvlib_fem._record.file_times import in_order, with_time_index
 from pvlib_fem._record.header_units import (
     QUANTITIES,
-    converted,
+    converted_column,
     named_unit,
     own_unit,
     unit_of,
     usual_name_of,
 )
-from pvlib_fem._record.joining import joined, stacked
+from pvlib_fem._record.joining import joined_tables, stacked_tables
 from pvlib_fem._record.kept_rows import kept, refuse_unknown, ungraded
-from pvlib_fem._record.labels import flat, flat_header
+from pvlib_fem._record.labels import flat_header, with_flat_labels
 from pvlib_fem._record.layout import COMMENT, EXCEL, PARQUET, SPACES, TIME, Layout
-from pvlib_fem._record.long_tables import wide
+from pvlib_fem._record.long_tables import wide_table
 from pvlib_fem._record.numbers import refuse_text, ungrouped, unmarked
 from pvlib_fem._spelling import UNCHECKED, ShellText, did_you_mean, refusal
 from pvlib_fem.types import FilePath
@@ -155,17 +155,17 @@ def frame(
             data = plain_table(one, layout)
             headers.append(data.columns)
             data = kept(data, layout.keep, marked := [*ungraded(data, layout)])
-            data, lost = timed(by_tag(data, layout), layout, one.name)
+            data, lost = with_time_index(by_tag(data, layout), layout, one.name)
             read.append(data)
             notes += [f"{one.name}: {note}" for note in marked + lost]
-        data, name = stacked(read, [one.name for one in pieces], layout.sort)
+        data, name = stacked_tables(read, [one.name for one in pieces], layout.sort)
         data, done = in_order(data, layout.sort, layout.drop_doubled)
         tables.append(data)
         names.append(name)
         notes += [f"{name}: {note}" for note in done]
     for layout in layouts:
         refuse_unknown(layout.keep, headers)
-    data, done = joined(tables, names, columns)
+    data, done = joined_tables(tables, names, columns)
     absent = [column for column in columns.values() if column not in data]
     if absent:
         raise ValueError(
@@ -175,7 +175,7 @@ def frame(
         )
     columns = columns | renamed({*data, *columns} - {*columns.values()})
     headers = {name: name for name in data.columns} | columns
-    data = named(data, columns)
+    data = with_mapped_names(data, columns)
     for name in QUANTITIES:
         if name in data:
             refuse_text(data[name], name)
@@ -187,7 +187,7 @@ def frame(
     return data
 
 
-def table(file: Path, layout: Layout) -> pd.DataFrame:
+def file_table(file: Path, layout: Layout) -> pd.DataFrame:
     """
     A file's columns; of a table with a row for each reading those of its tags.
 
@@ -213,7 +213,7 @@ def by_tag(data: pd.DataFrame, layout: Layout) -> pd.DataFrame:
     """A table as it is, or with a column for each tag."""
     if not layout.tag:
         return data
-    return wide(data, layout.tag, layout.value or "value", layout.time)
+    return wide_table(data, layout.tag, layout.value or "value", layout.time)
 
 
 def plain_table(file: Any, layout: Any) -> pd.DataFrame:
@@ -223,7 +223,7 @@ def plain_table(file: Any, layout: Any) -> pd.DataFrame:
         refuse_swelling(file)
     if suffix in PARQUET:
         try:
-            return flat(pd.read_parquet(file))
+            return with_flat_labels(pd.read_parquet(file))
         except ImportError as error:
             raise ValueError(
                 "reading Parquet needs pyarrow: pip install 'pvlib_fem[parquet]'"
@@ -238,7 +238,7 @@ def plain_table(file: Any, layout: Any) -> pd.DataFrame:
         end = layout.skip_end
         data = workbook(file, sheet_name=layout.sheet, skipfooter=end, **how)
     else:
-        data = text(file, layout, **how)
+        data = csv_table(file, layout, **how)
     times = layout.time or tuple(data.columns[:1])
     marked = [name for name in texts(data) if name not in times]
     if marked and layout.missing:
@@ -325,7 +325,7 @@ def workbook(file: Any, **how: Any) -> pd.DataFrame:
     return flat_header(data).dropna(axis="columns", how="all")
 
 
-def text(file: Path, layout: Any, **how: Any) -> pd.DataFrame:
+def csv_table(file: Path, layout: Any, **how: Any) -> pd.DataFrame:
     """A CSV file; what makes it no table says which option may."""
     if len(layout.decimal) != 1 or not layout.decimal.isascii():
         raise ValueError(
@@ -397,7 +397,7 @@ def without_comments(source: Any, encoding: Any) -> Any:
     return io.StringIO("".join(line.lstrip(COMMENT) for line in source))
 
 
-def named(data: pd.DataFrame, columns: dict) -> pd.DataFrame:
+def with_mapped_names(data: pd.DataFrame, columns: dict) -> pd.DataFrame:
     """The table in the package's names."""
     # a mapped column takes the name, whatever else the file calls by it, and leaves
     # its own, under which it would be one more driver
@@ -432,7 +432,7 @@ def in_units(
             continue
         if name in requested or convert:
             hours = usual_step(data.index) / 3600.0
-            column = converted(data[name], name, unit, hours, module_area)
+            column = converted_column(data[name], name, unit, hours, module_area)
             data = data.assign(**{name: column})
             done[name] = unit
         elif check_units:

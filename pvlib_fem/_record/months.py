@@ -48,7 +48,7 @@ def in_english(text: str, whole: bool) -> str:
     def month(match: Any) -> Any:
         if match[0] in MONTHS:  # which is another format than Jan
             return match[0]
-        word = plain(match[0])
+        word = plain_word(match[0])
         # the longest beginning that is known: juil is July, jui nothing
         known = (NUMBER.get(word[:n]) for n in (5, 4, 3))
         number = next((n for n in known if n is not None), None)
@@ -59,7 +59,7 @@ def in_english(text: str, whole: bool) -> str:
     return HALF.sub(lambda half: half[1].upper() + "M", WORD.sub(month, text))
 
 
-def plain(word: str) -> Any:
+def plain_word(word: str) -> Any:
     """A word in small letters without accents and its full stop."""
     apart = unicodedata.normalize("NFKD", word.strip(".").lower())
     return "".join(letter for letter in apart if not unicodedata.combining(letter))

@@ -126,13 +126,13 @@ def add_doubts(name: str, matching: list, sure: int, doubts: list) -> None:
 
 def looks_like(pattern: str, column: str) -> bool:
     """Whether a name has a pattern, by itself or with the word of its unit."""
-    name = spelled(column)
+    name = spelled_name(column)
     units = " ".join(re.findall(r"[\[({].*?[\])}]", str(column)))
     words = [word for n, word in UNIT_WORDS.items() if named_unit(n, units)]
     return any(re.search(pattern, " ".join([name, *w])) for w in ([], words))
 
 
-def spelled(column: str) -> str:
+def spelled_name(column: str) -> str:
     """
     A column's name without its unit, accents and place, in small letters, words apart.
 
@@ -224,7 +224,7 @@ def unmapped(columns: dict) -> dict:
     return {column: name for column, name in usual_names.items() if name in DRIVERS}
 
 
-def unused(columns: dict, taken: set) -> dict:
+def unused_columns(columns: dict, taken: set) -> dict:
     """
     Why columns are not used, by reason.
 

@@ -24,7 +24,7 @@ MARKED = re.compile(r"[+-]?\d+(?:[.,]\d+)?\s*[^\w\s.,:/%°-]")
 SPACES = r"[ \u00a0\u202f]"  # also those at which no line breaks
 
 
-def grouped(thousands: str, decimal: str) -> Any:
+def grouped_number(thousands: str, decimal: str) -> Any:
     """The form of a number with a sign between its thousands."""
     sign = SPACES if thousands == " " else re.escape(thousands)
     return re.compile(rf"[+-]?[1-9]\d{{0,2}}({sign}\d{{3}})+({re.escape(decimal)}\d*)?")
@@ -49,7 +49,7 @@ def ungrouped(column: Any, thousands: Any, decimal: str) -> Any:
     Series
         Of float if all cells are numbers or missing.
     """
-    form, usual = grouped(thousands, decimal), form_of(decimal)
+    form, usual = grouped_number(thousands, decimal), form_of(decimal)
 
     def number(cell: str) -> Any:
         bare = cell.strip() if isinstance(cell, str) else ""
@@ -141,7 +141,7 @@ def thousands_of(texts: list, decimal: str) -> str:
         Empty without one.
     """
     for sign in SIGNS.get(decimal, ()):
-        form = grouped(sign, decimal)
+        form = grouped_number(sign, decimal)
         for column in texts:
             some = strings(column).str.strip()
             marked = some.map(form.fullmatch).notna()
@@ -189,7 +189,7 @@ def remedy_for(word: str) -> str:
     commas = "," in word and pd.notna(comma)
     remedies = ["--decimal , if commas are decimal"] if commas else []
     for decimal, sign in ((d, sign) for d, signs in SIGNS.items() for sign in signs):
-        if grouped(sign, decimal).fullmatch(word.strip()):
+        if grouped_number(sign, decimal).fullmatch(word.strip()):
             option = f"--thousands {sign if sign in ',.' else repr(sign)}"
             option += " --decimal ," if decimal == "," else ""
             remedies.insert(0, f"{option} if that stands between thousands")

@@ -220,7 +220,7 @@ class ParquetRecord:
                     raise ValueError(f"the time {index[0]} comes after later ones")
                 check_order(steps, index, "the time")
                 columns = {
-                    name: as_numbers(name, values(batch.column(column)), index)
+                    name: as_numbers(name, numpy_values(batch.column(column)), index)
                     for name, column in wanted.items()
                 }
                 if made:
@@ -245,7 +245,9 @@ class ParquetRecord:
         wanted = {n: self.columns[n] for n in names if n not in self.absent}
         start = 0
         for _, batch, _ in self.batches([*wanted.values()], rows):
-            columns = {name: numbers(batch, column) for name, column in wanted.items()}
+            columns = {
+                name: float_column(batch, column) for name, column in wanted.items()
+            }
             yield start, columns | self.nothing(names, batch)
             start += batch.num_rows
 
@@ -455,12 +457,12 @@ def in_zone(
     return index.tz_localize("UTC").tz_convert(tz)
 
 
-def numbers(batch: Any, column: str) -> np.ndarray:
+def float_column(batch: Any, column: str) -> np.ndarray:
     """A column that has been looked at, as float64."""
-    return values(batch.column(column)).astype(float, copy=False)
+    return numpy_values(batch.column(column)).astype(float, copy=False)
 
 
-def values(column: Any) -> np.ndarray:
+def numpy_values(column: Any) -> np.ndarray:
     """A column of numbers as numpy has it, NaN where it has none."""
     if str(column.type).startswith("decimal"):
         column = column.cast("float64")

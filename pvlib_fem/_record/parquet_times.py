@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._record.file_times import once_only, placed, skipped
+from pvlib_fem._record.file_times import naive_in_zone, once_only, skipped
 from pvlib_fem._spelling import ShellText, refusal
 
 DAY = pd.Timedelta(days=1)
@@ -60,8 +60,8 @@ def on_the_clock(
         )
     if tz is None:
         return timed, notes
-    runs, localized, pairs = [], [], changes(timed, tz)
-    for near, run in itertools.groupby(timed, lambda group: meets(group, pairs)):
+    runs, localized, pairs = [], [], clock_change_hours(timed, tz)
+    for near, run in itertools.groupby(timed, lambda group: meets_change(group, pairs)):
         run = list(run)
         if near:
             run, *rows = in_the_zone(run, times_of, tz)
@@ -74,7 +74,7 @@ def on_the_clock(
     return [group for group in runs if group.rows], notes
 
 
-def changes(groups: Any, tz: Any) -> Any:
+def clock_change_hours(groups: Any, tz: Any) -> Any:
     """The hours around the changes of a zone's clock, as pairs of its own times."""
     first = min(group.first for group in groups).normalize() - DAY
     last = max(group.last for group in groups).normalize() + DAY
@@ -86,7 +86,7 @@ def changes(groups: Any, tz: Any) -> Any:
     return [(noons[i] - NEAR, noons[i + 1] + NEAR) for i in at.tolist()]
 
 
-def meets(group: Any, pairs: Any) -> Any:
+def meets_change(group: Any, pairs: Any) -> Any:
     return any(group.first <= end and begin <= group.last for begin, end in pairs)
 
 
@@ -103,7 +103,7 @@ def in_the_zone(run: Any, times_of: Any, tz: str) -> Any:
     times = [times_of(group) for group in run]
     kept = [~np.isnat(part) for part in times]
     index = pd.DatetimeIndex(np.concatenate([t[k] for t, k in zip(times, kept)]))
-    local, there, once = placed(index, tz)
+    local, there, once = naive_in_zone(index, tz)
     good = there & ~once
     early = index[good].tz_localize(tz, ambiguous=np.ones(good.sum(), dtype=bool))
     late = np.zeros(len(index), dtype=bool)

@@ -95,7 +95,7 @@ def range_of(name: str) -> Any:
     return RANGES.get(name, other)
 
 
-def possible(name: str) -> tuple[float, float, str] | None:
+def possible_range(name: str) -> tuple[float, float, str] | None:
     """
     Least and most that a sensor can read.
 

@@ -69,7 +69,7 @@ class Sums:
             self.first = until[0]
         # the last half step has a label of its own
         size = until[-1] - self.first + 2
-        self.there = grown(self.there, size)
+        self.there = grown_array(self.there, size)
         self.there[until - self.first] = True
         until, around = self.places(until), self.places(around)
         for name, values in columns.items():
@@ -99,7 +99,7 @@ class Sums:
     ) -> None:
         """Add values of one column at the places of their steps."""
         sums, counts = self.sums.get(key, (np.zeros(0), np.zeros(0)))
-        sums, counts = grown(sums, size), grown(counts, size)
+        sums, counts = grown_array(sums, size), grown_array(counts, size)
         missing = np.isnan(values)
         if missing.any():
             values = np.where(missing, 0.0, values)
@@ -146,7 +146,7 @@ class Sums:
         return Inputs(columns, steps, self.step, index, True)
 
 
-def grown(values: np.ndarray, size: int) -> np.ndarray:
+def grown_array(values: np.ndarray, size: int) -> np.ndarray:
     """An array with room for more."""
     if size <= len(values):
         return values
@@ -154,7 +154,7 @@ def grown(values: np.ndarray, size: int) -> np.ndarray:
     return np.concatenate([values, np.zeros(more, values.dtype)])
 
 
-def covered(
+def covered_rows(
     masks: tuple, record: Record, other: Record
 ) -> list | tuple[np.ndarray, np.ndarray]:
     """

@@ -114,7 +114,7 @@ def without_letters(column: Any, time_format: str, tz: str | None = None) -> Any
     known = HOURS | names_of(tz)
     for row, name in enumerate(letters):
         if name and name not in known:
-            raise unknown(name, row, time_format)
+            raise unknown_letters_error(name, row, time_format)
     bare = [
         " ".join(one.rsplit(name, 1)) if name else one
         for one, name in zip(text, letters)
@@ -123,7 +123,7 @@ def without_letters(column: Any, time_format: str, tz: str | None = None) -> Any
     return pd.Series(bare, column.index), time_format.replace("%Z", " "), hours
 
 
-def unknown(name: str, row: Any, time_format: str) -> Any:
+def unknown_letters_error(name: str, row: Any, time_format: str) -> Any:
     """The error of letters that do not tell the distance from UTC."""
     if name in SEVERAL:
         zones = " or ".join(f"--tz {zone}" for zone in SEVERAL[name])

@@ -49,7 +49,9 @@ def zone_of(
     if zones := of_summer_time(index):
         zone = zones[0]
         if longitude is not None:
-            zone = min(zones, key=lambda name: abs(standard(name) - longitude / 15))
+            zone = min(
+                zones, key=lambda name: abs(standard_offset(name) - longitude / 15)
+            )
         elif len(zones) > 1:
             doubts.append(
                 f"an hour comes twice, as in the zone {zone}, and as in "
@@ -123,7 +125,7 @@ def goes_back(time: Any, zone: Any) -> bool:
     return bool(twice.isna()[0]) and ahead[0] > ahead[2]
 
 
-def standard(zone: Any) -> Any:
+def standard_offset(zone: Any) -> Any:
     """
     Hours by which a zone's standard time is before UTC.
 

@@ -13,7 +13,7 @@ from pvlib_fem._converter import AnyFloat
 from pvlib_fem._findings import Finding
 from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.loop_result import Loop
-from pvlib_fem._stored import plain
+from pvlib_fem._stored import as_json
 from pvlib_fem.effects import EFFECTS, find, several
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import (
@@ -64,7 +64,7 @@ class Injection:
     @property
     def key(self) -> str:
         """A text that identifies the injection, exact to the bit."""
-        return json.dumps(plain([self.effect, self.settings, self.coefficients]))
+        return json.dumps(as_json([self.effect, self.settings, self.coefficients]))
 
     @property
     def multiple(self) -> float:

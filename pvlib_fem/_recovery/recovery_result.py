@@ -12,7 +12,7 @@ from pvlib_fem._record.column_names import printable
 from pvlib_fem._recovery.judge import Outcome
 from pvlib_fem._recovery.recovery_text import lines
 from pvlib_fem._recovery.trial import Trial, rates
-from pvlib_fem._stored import Stored, opened, plain, written
+from pvlib_fem._stored import Stored, as_json, opened, written
 from pvlib_fem.types import FilePath
 
 FORMAT = "pvlib_fem recovery"
@@ -191,7 +191,7 @@ class Recovery:
 
     def content(self) -> dict:
         """Content of a file of the recovery."""
-        content = plain(self)
+        content = as_json(self)
         # in a file, version is that of its format
         return {"version_of_package": content.pop("version"), **content}
 

@@ -10,7 +10,7 @@ from pvlib_fem._record.inputs import Record
 from pvlib_fem._report.rows import Picture, Rows
 from pvlib_fem.plotting._evidence import Daily
 from pvlib_fem.quality._noon import solar_noon_shift
-from pvlib_fem.quality._onset import DAY, night
+from pvlib_fem.quality._onset import DAY, solar_midnight
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.corrected_times import Times
@@ -103,7 +103,7 @@ def added(times: "Times | None", days: pd.DatetimeIndex) -> np.ndarray:
 def warmth_after_light(record: Record) -> tuple[pd.DatetimeIndex, np.ndarray]:
     """Days, and by how much the middle of their warmth is after that of light. [min]"""
     seconds, poa = record.inputs.seconds, np.asarray(record["poa_global"])
-    front = night(seconds, poa)
+    front = solar_midnight(seconds, poa)
     over = record["temp_module"] - record["temp_air"]
     over = np.maximum(
         over - np.nanmedian(over[poa <= 0.0]) if (poa <= 0).any() else over, 0.0

@@ -10,7 +10,13 @@ from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._record.column_names import printable, with_aliases
 from pvlib_fem._record.inputs import Record, as_record
 from pvlib_fem._sensors.module_comparison import ModuleComparison
-from pvlib_fem._sensors.sensor_errors import SUNNY, clean, compared, is_sensor, steps_of
+from pvlib_fem._sensors.sensor_errors import (
+    SUNNY,
+    compared_with_others,
+    is_sensor,
+    plausible_values,
+    steps_of,
+)
 from pvlib_fem._spelling import ShellText, refusal
 from pvlib_fem._thermal.model import thermal_model
 from pvlib_fem.scores import rmse
@@ -98,7 +104,7 @@ def compare_modules(
             NAMED,
         )
     usual = (series["poa_global"], series["temp_air"], series.get("wind_speed"))
-    sensors, notes = clean(usual, {n: series[n] for n in names}, criteria)
+    sensors, notes = plausible_values(usual, {n: series[n] for n in names}, criteria)
     off = {name for name, why in notes.items() if name not in sensors or why[0]}
     good = [name for name in names if name not in off]
     if len(good) < FEWEST:
@@ -110,13 +116,15 @@ def compare_modules(
     for name in good:
         column = pd.Series(sensors[name], record.index)
         fits[name] = fit_fem(*usual, column, model, dynamics, check_units=False)
-    parts = shared(record, fits)
+    parts = shared_residuals(record, fits)
     rows = {}
     for name in names:
         rows[name] = {"used": name in good, "note": notes[name][1]}
         rows[name] |= {"rows": 0, "step": ""} | parts.get(name, {})
         if name in level:
-            over, others, (share, offset) = compared(record, name, level, good)
+            over, others, (share, offset) = compared_with_others(
+                record, name, level, good
+            )
             row = {"share": share, "offset": offset}
             row["spread"] = rmse(over, share * others)
             row["rows"] = int(np.isfinite(sensors[name]).sum())
@@ -131,7 +139,7 @@ def compare_modules(
     )
 
 
-def shared(record: Record, fits: dict) -> dict:
+def shared_residuals(record: Record, fits: dict) -> dict:
     """RMS residual of each fit in sun, its part common with the others, and its own."""
     residuals = {name: fit.residual.to_numpy() for name, fit in fits.items()}
     rows = np.isfinite(sum(residuals.values())) & (record["poa_global"] > SUNNY)

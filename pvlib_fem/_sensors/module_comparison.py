@@ -51,13 +51,13 @@ class ModuleComparison:
     common: pd.DataFrame = field(repr=False)
 
     def __str__(self) -> str:
-        return printable("\n".join(lines(self)), "\n")
+        return printable("\n".join(printout_lines(self)), "\n")
 
     def _repr_html_(self) -> str:
         return self.table.to_html(float_format="{:.3f}".format, na_rep="–")
 
 
-def lines(comparison: ModuleComparison) -> Iterator:
+def printout_lines(comparison: ModuleComparison) -> Iterator:
     """Yield the lines of the printout."""
     table = comparison.table
     used = table[table["used"]]
@@ -65,7 +65,7 @@ def lines(comparison: ModuleComparison) -> Iterator:
     others = "the other" if pair else "the median of the others"
     yield f"{len(used)} module sensors, each compared with {others}; in sun [K]"
     yield ""
-    rows = [HEAD, *(cells(row) for row in table.itertuples())]
+    rows = [HEAD, *(row_cells(row) for row in table.itertuples())]
     wide = [max(map(len, column)) for column in zip(*rows)]
     for first, *others in rows:
         words = [first.ljust(wide[0])]
@@ -98,12 +98,18 @@ def lines(comparison: ModuleComparison) -> Iterator:
             yield f"{row.Index}: {note}" + ("" if row.used else " (not used)")
 
 
-def cells(row: Any) -> tuple:
+def row_cells(row: Any) -> tuple:
     """Cells of a sensor's row of the printout."""
     step = f"{row.change:+.1%} from {row.step}" if row.step else "–"
-    errors = (shown(value, ".2f") for value in (row.left, row.common, row.own))
-    return row.Index, shown(row.share, ".3f"), shown(row.offset, "+.2f"), step, *errors
+    errors = (number_text(value, ".2f") for value in (row.left, row.common, row.own))
+    return (
+        row.Index,
+        number_text(row.share, ".3f"),
+        number_text(row.offset, "+.2f"),
+        step,
+        *errors,
+    )
 
 
-def shown(value: float, form: str) -> Any:
+def number_text(value: float, form: str) -> Any:
     return format(value, form) if np.isfinite(value) else "–"

@@ -7,7 +7,7 @@ import numpy as np
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.design import Design
 from pvlib_fem._loop.selection import Selection
-from pvlib_fem._record.column_names import same, twin_of
+from pvlib_fem._record.column_names import is_scaled_copy, twin_of
 from pvlib_fem._record.inputs import Record, as_record
 from pvlib_fem._statistics.weekly_sums import coefficients_from
 from pvlib_fem.effects import CHANGES
@@ -35,7 +35,9 @@ def is_sensor(name: str) -> bool:
     return name == "temp_module" or twin_of(name) == "temp_module"
 
 
-def clean(usual: Any, sensors: dict, criteria: Criteria) -> tuple[dict, dict]:
+def plausible_values(
+    usual: Any, sensors: dict, criteria: Criteria
+) -> tuple[dict, dict]:
     """
     Plausible values of each sensor, and by name whether and why it is not used.
 
@@ -71,7 +73,7 @@ def clean(usual: Any, sensors: dict, criteria: Criteria) -> tuple[dict, dict]:
     first = []
     for name, values in cleaned.items():
         there = int(np.isfinite(values).sum())
-        copies = [other for other in first if same(values, cleaned[other])]
+        copies = [other for other in first if is_scaled_copy(values, cleaned[other])]
         if there < PRESENT * most:
             notes[name] = True, f"{there:,} values of {most:,} are there"
         elif copies:
@@ -81,7 +83,7 @@ def clean(usual: Any, sensors: dict, criteria: Criteria) -> tuple[dict, dict]:
     return cleaned, notes
 
 
-def compared(record: Record, name: str, sensors: dict, good: list) -> tuple:
+def compared_with_others(record: Record, name: str, sensors: dict, good: list) -> tuple:
     """
     Over-temperature of a sensor minus its offset, that of the others, and its line.
 
@@ -150,7 +152,7 @@ def steps_of(
     while True:
         new_steps = {}
         for name in (n for n in level if n not in steps):
-            over, others, (share, _) = compared(record, name, level, good)
+            over, others, (share, _) = compared_with_others(record, name, level, good)
             new_steps[name] = step_of(over, others, share, record.dates, criteria)
         new_steps = {name: step for name, step in new_steps.items() if step}
         if not new_steps or (len(good) == 2 and {*good} & {*steps}):

@@ -87,7 +87,7 @@ def in_folder(file: str, sha256: str) -> Path | None:
     folder = os.environ.get(FOLDER)
     if not folder or not (path := Path(folder) / file).is_file():
         return None
-    if not same(path, sha256):
+    if not has_hash(path, sha256):
         raise ValueError(
             f"{path} is not the pinned file (its sha256 differs); remove it, or "
             f"unset {FOLDER}"
@@ -107,7 +107,7 @@ def cache() -> Path:
     return Path(pooch.os_cache("pvlib_fem"))
 
 
-def same(path: Path, sha256: str) -> bool:
+def has_hash(path: Path, sha256: str) -> bool:
     """
     Whether a file has the pinned hash.
 

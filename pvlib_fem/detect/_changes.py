@@ -83,7 +83,7 @@ def dates_of(days: np.ndarray) -> pd.DatetimeIndex:
     return EPOCH + pd.to_timedelta(np.asarray(days), unit="D")
 
 
-def result(
+def level_result(
     days: np.ndarray,
     new: np.ndarray,
     sizes: list | np.ndarray,
@@ -144,7 +144,7 @@ def new_levels(path: Path) -> np.ndarray:
     return np.flatnonzero(np.diff(path.level)) + 1
 
 
-def compared(one: DailyDeviation, law: Law) -> LevelChanges:
+def level_changes(one: DailyDeviation, law: Law) -> LevelChanges:
     """
     Steps and drift of a sensor that is compared with something, day by day.
 
@@ -175,7 +175,7 @@ def compared(one: DailyDeviation, law: Law) -> LevelChanges:
         if all(there):
             drift, error, _ = one.along(years, values, steps)
             sizes = [size for size, _ in estimates]
-            return result(one.days, new, sizes, one.column, drift, error)
+            return level_result(one.days, new, sizes, one.column, drift, error)
         weak = min(
             range(len(new)), key=lambda k: abs(estimates[k][0]) / estimates[k][1]
         )

@@ -15,7 +15,7 @@ from pvlib_fem._record.checks import (
 )
 
 
-def checked(optional: tuple[str, ...] = (), **series: pd.Series | None) -> Any:
+def checked_series(optional: tuple[str, ...] = (), **series: pd.Series | None) -> Any:
     """
     The one index of some Series, and their values.
 

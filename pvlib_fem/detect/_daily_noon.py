@@ -10,8 +10,8 @@ from pvlib_fem._record.checks import usual_step
 from pvlib_fem.detect._checked_series import seconds_of
 from pvlib_fem.quality._hours import days_of
 from pvlib_fem.quality._limits import Limits
-from pvlib_fem.quality._noon import due, middles, universal
-from pvlib_fem.quality._onset import DAY, night
+from pvlib_fem.quality._noon import due_noons, middles, universal
+from pvlib_fem.quality._onset import DAY, solar_midnight
 
 BEST = 0.995  # quantile that stands for full light
 FULL = 1000.0  # W/m², at full light
@@ -51,13 +51,13 @@ def noons(
     if not full > 0.0:
         return pd.Series(dtype=float)
     light = values * (FULL / full)
-    dark = night(seconds, light)
+    dark = solar_midnight(seconds, light)
     light = with_dark_nights(seconds - dark, light, limits)
     middle_of_row = {"left": step / 2.0, "center": 0.0, "right": -step / 2.0}[label]
     day, middle = middles(seconds - dark + middle_of_row, light, step, limits)
     begins = pd.Timedelta(seconds=dark)
     origin, start = universal(index[0], location) + begins, index[0] + begins
-    late = middle - due(origin, day, location, plane, limits, start)
+    late = middle - due_noons(origin, day, location, plane, limits, start)
     late = (late + DAY / 2) % DAY - DAY / 2
     known = np.isfinite(late)
     dates = days_of(index[0], dark + day[known] * DAY)

@@ -7,7 +7,7 @@ import pandas as pd
 
 from pvlib_fem._record.checks import dates_of as numbers_of
 from pvlib_fem.detect._changes import dates_of
-from pvlib_fem.detect._checked_series import checked
+from pvlib_fem.detect._checked_series import checked_series
 from pvlib_fem.detect._path import Law, most_probable
 from pvlib_fem.quality._limits import GAIN
 
@@ -102,7 +102,7 @@ def detached_module_sensor(
     2023-04-01  attached
     2023-06-01  detached
     """
-    index, (module, air, poa) = checked(
+    index, (module, air, poa) = checked_series(
         temp_module=temp_module, temp_air=temp_air, poa_global=poa_global
     )
     rows = (poa > SUNNY) & np.isfinite(module + air)

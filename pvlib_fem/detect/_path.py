@@ -55,10 +55,10 @@ def most_probable(day: np.ndarray, values: np.ndarray, law: Law) -> Path:
     Path
     """
     table, spread = usual_columns(day, law)
-    start = fitted(table, spread, values, np.median(values), law.least, law)[0]
-    path = settled(day, values, table, spread, start, law)
+    start = robust_fit(table, spread, values, np.median(values), law.least, law)[0]
+    path = settled_level(day, values, table, spread, start, law)
     still = np.full(len(day), law.grid[len(law.grid) // 2])
-    other = settled(day, values, table, spread, still, law, path.level)
+    other = settled_level(day, values, table, spread, still, law, path.level)
     return min(path, other, key=lambda path: path.cost)
 
 
@@ -76,7 +76,7 @@ def usual_columns(day: np.ndarray, law: Law) -> tuple[np.ndarray, np.ndarray]:
     return np.column_stack(columns), np.array(spread)
 
 
-def settled(
+def settled_level(
     day: np.ndarray,
     values: np.ndarray,
     table: np.ndarray,
@@ -93,7 +93,7 @@ def settled(
         if before is not None and (level == before).all():
             break
         before = level
-        usual, season = fitted(table, spread, values - level, 0.0, noise, law)
+        usual, season = robust_fit(table, spread, values - level, 0.0, noise, law)
     return Path(level, usual, noise, cost + season)
 
 
@@ -102,7 +102,7 @@ def scatter(values: np.ndarray) -> float:
     return float(np.median(np.abs(np.diff(values)))) / NEXT
 
 
-def fitted(
+def robust_fit(
     table: np.ndarray,
     spread: np.ndarray,
     values: np.ndarray,
@@ -134,7 +134,7 @@ def decoded(
     A day is off by Laplace's law, or by anything at all. Days remember each other, so
     that each counts as a share of one.
     """
-    costs = misfits(values, noise, law)
+    costs = level_misfits(values, noise, law)
     gap = np.maximum(np.diff(day, prepend=day[:1]), 1)
     anew = -np.log(law.odds * gap / len(law.grid))
     places = np.arange(len(law.grid))
@@ -159,7 +159,7 @@ def decoded(
     return law.grid[path], float(total.min())
 
 
-def misfits(values: np.ndarray, noise: float, law: Law) -> np.ndarray:
+def level_misfits(values: np.ndarray, noise: float, law: Law) -> np.ndarray:
     """−log of the probability of each day by each level of a grid."""
     apart = np.abs(values[:, None] - law.grid)
     apart = np.minimum(apart, law.period - apart)

@@ -11,8 +11,8 @@ from pvlib.pvsystem import AbstractMount
 from pvlib_fem._loop import references
 from pvlib_fem._loop.references import COMPARISONS, SKY, USUAL_WIND, DailyDeviation
 from pvlib_fem._record.checks import dates_of
-from pvlib_fem.detect._changes import SURE, LevelChanges, compared, result
-from pvlib_fem.detect._checked_series import checked
+from pvlib_fem.detect._changes import SURE, LevelChanges, level_changes, level_result
+from pvlib_fem.detect._checked_series import checked_series
 from pvlib_fem.detect._path import Law
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers._mounts import angles_at
@@ -137,7 +137,7 @@ def irradiance_changes(
     if location is None and power is None:
         raise ValueError("there is nothing to compare with: give location, or power")
     given = {"poa_global": poa_global, "power": power, "temp_module": temp_module}
-    index, (poa, fed, module) = checked(("power", "temp_module"), **given)
+    index, (poa, fed, module) = checked_series(("power", "temp_module"), **given)
     if module is None:
         module = np.full(len(index), STANDARD)
     deviations = []
@@ -148,7 +148,7 @@ def irradiance_changes(
     if location is not None:
         sky = clear_sky(poa, index, location, angles_at(index, place))
         deviations.append(compared_with(SKY, sky, index, poa_global=poa))
-    changes = [aged(compared(one, LIGHT)) for one in deviations]
+    changes = [aged(level_changes(one, LIGHT)) for one in deviations]
     if len(changes) == 1:
         return changes[0]
     by_power, by_sky = changes
@@ -183,7 +183,7 @@ def agreed(
                 sizes.append(np.log1p(by))
     both = f"{changes.reference} and {other.reference}"
     drift = float(drifts @ weights / weights.sum())
-    return result(days, np.array(new, dtype=int), sizes, both, drift, error)
+    return level_result(days, np.array(new, dtype=int), sizes, both, drift, error)
 
 
 def slow_anemometer(
@@ -227,9 +227,9 @@ def slow_anemometer(
     [('2023-08-01', -0.3)]
     """
     given = {"wind_speed": wind_speed, "reference": reference}
-    index, (wind, other) = checked(("reference",), **given)
+    index, (wind, other) = checked_series(("reference",), **given)
     if other is None:
         one = compared_with(USUAL_WIND, np.ones(len(index)), index, wind_speed=wind)
     else:
         one = compared_with(TWIN, other, index, wind_speed=wind)
-    return compared(one, WIND)
+    return level_changes(one, WIND)

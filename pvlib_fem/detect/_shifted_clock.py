@@ -8,7 +8,7 @@ from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem._record.checks import usual_step
-from pvlib_fem.detect._checked_series import checked
+from pvlib_fem.detect._checked_series import checked_series
 from pvlib_fem.detect._daily_clock import GRID, MEMORY, clock_of
 from pvlib_fem.detect._daily_noon import noons
 from pvlib_fem.detect._path import Path
@@ -139,7 +139,7 @@ def time_shifts(
     if location is None:
         raise ValueError("location is None; give a pvlib.location.Location")
     place = checked_place(location, surface_tilt, surface_azimuth, mount)
-    index, (values,) = checked(light=light)
+    index, (values,) = checked_series(light=light)
     plane = tuple(place[name] for name in PLANE)
     middle = noons(values, index, location, plane, label)
     local = index.tz_localize(None).normalize()
@@ -149,7 +149,7 @@ def time_shifts(
         return TimeShifts(nothing, (), (), middle, np.nan, np.nan)
     day = ((middle.index - middle.index[0]) / pd.Timedelta("1D")).to_numpy().astype(int)
     path = clock_of(day, middle.to_numpy(), usual_step(index) / 60.0)
-    minutes, usual = sized(path, middle.to_numpy())
+    minutes, usual = sized_shift(path, middle.to_numpy())
     by_day = pd.Series(minutes, middle.index).reindex(dates, method="nearest")
     change = by_day.diff().fillna(0.0)
     jumps = tuple((day, float(by)) for day, by in change[change != 0.0].items())
@@ -159,7 +159,7 @@ def time_shifts(
     return TimeShifts(by_day, jumps, within, middle, usual, path.noise)
 
 
-def sized(path: Path, middle: np.ndarray) -> tuple[np.ndarray, float]:
+def sized_shift(path: Path, middle: np.ndarray) -> tuple[np.ndarray, float]:
     """How far each day's clock is ahead of the sun's, and what is usual. [min]"""
     residual = middle - path.usual - path.level
     clocks, days = np.unique(path.level, return_counts=True)

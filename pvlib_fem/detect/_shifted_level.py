@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._record.checks import dates_of
-from pvlib_fem.detect._changes import LevelChanges, new_levels, result
-from pvlib_fem.detect._checked_series import checked
+from pvlib_fem.detect._changes import LevelChanges, level_result, new_levels
+from pvlib_fem.detect._checked_series import checked_series
 from pvlib_fem.detect._path import SEASON, YEAR, Law, most_probable
 
 WHOLE = 0.8  # of the rows that a day usually has
@@ -67,7 +67,7 @@ def data_shifts(series: pd.Series) -> LevelChanges:
     >>> print(detect.data_shifts(stream))
     2024-02-29  -50 %
     """
-    index, (values,) = checked(series=series)
+    index, (values,) = checked_series(series=series)
     days, place = np.unique(dates_of(index), return_inverse=True)
     known = np.isfinite(values)
     number = np.bincount(place, known)
@@ -86,7 +86,7 @@ def data_shifts(series: pd.Series) -> LevelChanges:
     parts = np.searchsorted(new, np.arange(len(weeks)), side="right")
     residual = logs - path.usual
     level = np.array([np.median(residual[parts == i]) for i in range(len(new) + 1)])
-    return result(weeks, new, np.diff(level), "its own season", length=WEEK)
+    return level_result(weeks, new, np.diff(level), "its own season", length=WEEK)
 
 
 def second_best(days: np.ndarray, sums: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -9,7 +9,7 @@ from pvlib_fem.drivers import behind, needed_for
 from pvlib_fem.effects import EFFECTS, find, several
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._user_column import of_column
-from pvlib_fem.reasons import Because, Reason, because, together
+from pvlib_fem.reasons import Because, Reason, because, joined_reasons
 
 MOST_HEAT = 500.0  # W/m² for one standard deviation of a user's own column
 #: arguments that a user gives instead of these columns
@@ -134,7 +134,7 @@ def why_not(effect: Effect, drivers: dict, refused: dict, absent: Any) -> Becaus
         return because(Reason.LACKS_ALL, columns=columns)
     if none := sorted({SUN.get(n, n) for n in missing if n not in refused}):
         why.append(because(Reason.LACKS, columns=none))
-    return together(why)
+    return joined_reasons(why)
 
 
 def measured_for(effect: Effect) -> list:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from pvlib_fem._stored import plain, replacing, saved, stamped
+from pvlib_fem._stored import as_json, replacing, saved, stamped
 from pvlib_fem.fleet._systems_table import System, labels_of, systems_of
 from pvlib_fem.fleet._tasks import COEFFICIENT, FINDING, ROW
 from pvlib_fem.types import FilePath
@@ -86,7 +86,7 @@ def write_result(
         Content that ``to_json`` writes, so that ``from_json`` reads the file.
     """
     path = result_path(out, identity)
-    content = {**plain({"fleet": {"id": identity, **head}}), **(result or NONE)}
+    content = {**as_json({"fleet": {"id": identity, **head}}), **(result or NONE)}
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         saved(json_text(content) + "\n", path)

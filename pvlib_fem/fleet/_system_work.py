@@ -14,7 +14,7 @@ from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._record.layout import Layout
 from pvlib_fem._record.logger_files import frame
 from pvlib_fem._spelling import written_argument
-from pvlib_fem._stored import plain, stamped
+from pvlib_fem._stored import as_json, stamped
 from pvlib_fem.drivers._record_site import in_local_days, site_of
 from pvlib_fem.fleet._store import page_path, put_page, stored_content, write_result
 from pvlib_fem.fleet._systems_table import PLACE, System
@@ -68,7 +68,7 @@ class Work:
                 with one_blas_thread():
                     result = self.result(system, groups, folder)
                 task = TASKS[self.task]
-                head["row"] = plain(task.row(result))
+                head["row"] = as_json(task.row(result))
                 head["coefficients"] = task.coefficients(result)
                 head["findings"] = task.findings(result)
                 content = stamped(task.format, result.content())
@@ -115,7 +115,7 @@ class Work:
             for info in [disk.info(path)]
         ]
         whole = [asdict(system), marks, self.task, options, __version__]
-        words = json.dumps(plain(whole), sort_keys=True, default=str)
+        words = json.dumps(as_json(whole), sort_keys=True, default=str)
         return hashlib.sha256(words.encode("utf-8", "surrogatepass")).hexdigest()
 
     def result(self, system: System, groups: Groups, folder: str) -> Any:

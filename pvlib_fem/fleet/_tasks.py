@@ -23,7 +23,7 @@ from pvlib_fem._recovery.recovery_result import FORMAT, Recovery
 from pvlib_fem._report.formatting import with_error
 from pvlib_fem._report.loop_page import numbers
 from pvlib_fem._spelling import did_you_mean
-from pvlib_fem._stored import plain
+from pvlib_fem._stored import as_json
 from pvlib_fem.reasons import Reason
 
 HOURS_A_YEAR = 8766.0
@@ -138,7 +138,7 @@ def weighed_of(loop: Loop) -> str:
     for name, why in loop.untestable.items():
         if why.reason is Reason.NO_DATE:  # every date was tested
             gains[name] = [0.0, 0.0]
-    return json.dumps(plain(gains))
+    return json.dumps(as_json(gains))
 
 
 def record_facts(fit: FemFit) -> dict[str, Any]:
@@ -217,7 +217,7 @@ def of_finding(finding: Finding, effects: Mapping) -> dict[str, Any]:
         "first": first,
         "last": last,
         "why": finding.why,
-        "content": plain(finding),
+        "content": as_json(finding),
     }
 
 

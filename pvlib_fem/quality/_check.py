@@ -15,7 +15,7 @@ from pvlib_fem._record.inputs import Record
 from pvlib_fem.quality._limits import POSSIBLE, Limits
 from pvlib_fem.quality._module_lag import Clock, clock_shift
 from pvlib_fem.quality._noon import SolarNoon, solar_noon_shift
-from pvlib_fem.quality._screening import stuck
+from pvlib_fem.quality._screening import stuck_rows
 from pvlib_fem.quality._stray_times import refuse_stray
 from pvlib_fem.quality._stuck import refuse_frozen, stuck_line
 from pvlib_fem.quality._unit_checks import doubtful, in_step, module_lag
@@ -34,7 +34,7 @@ class Health:
     @property
     def mask(self) -> np.ndarray:
         """Rows in which one of the four sensors is stuck."""
-        return unusable(self.frozen)
+        return unusable_rows(self.frozen)
 
     @property
     def stuck(self) -> dict[str, int]:
@@ -53,19 +53,19 @@ class Health:
         return (*self.faults.values(), *self.unchecked)
 
 
-def unusable(frozen: dict) -> np.ndarray:
+def unusable_rows(frozen: dict) -> np.ndarray:
     """Rows in which one of the four sensors is stuck."""
     return np.any([frozen[name] for name in POSSIBLE], axis=0)
 
 
 def frozen_in(record: Record, limits: Limits) -> dict:
     """Rows of stuck sensors whose drivers change, by one clock."""
-    frozen = stuck(record, limits)
+    frozen = stuck_rows(record, limits)
     # their drivers are known without the module's column, which may be off by hours
     others = any(rows.any() for n, rows in frozen.items() if n != "temp_module")
     if not others or (off := module_lag(record.inputs, limits)) is None:
         return frozen
-    in_time = stuck(replace(record, inputs=in_step(record.inputs, off)), limits)
+    in_time = stuck_rows(replace(record, inputs=in_step(record.inputs, off)), limits)
     return in_time | {"temp_module": frozen["temp_module"]}
 
 
@@ -113,7 +113,7 @@ def check(
     refuse_stray(record.index, limits)
     frozen = frozen_in(record, limits)
     refuse_frozen(record, frozen)
-    clock = clock_shift(record, unusable(frozen), limits)
+    clock = clock_shift(record, unusable_rows(frozen), limits)
     place = (location, surface_tilt, surface_azimuth)
     light = record["poa_global"] if light is None else light
     noon = solar_noon_shift(light, record.index, *place, limits, mount)

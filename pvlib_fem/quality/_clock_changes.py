@@ -31,7 +31,7 @@ def transitions(index: pd.DatetimeIndex, zone: str) -> Iterator:
         Standard time of the zone, without one, and by how much its clock moves
         then, positive forward. [s]
     """
-    ends = plain(index[0]), plain(index[-1])
+    ends = wall_time(index[0]), wall_time(index[-1])
     # the ends are not in universal time, which is less than a day from theirs
     day = pd.Timedelta(days=1)
     days = pd.date_range(
@@ -41,7 +41,7 @@ def transitions(index: pd.DatetimeIndex, zone: str) -> Iterator:
     for at in np.flatnonzero(np.diff(offset)).tolist():
         hours = days[at] + pd.to_timedelta(np.arange(25), unit="h")
         hour = int(np.argmax(zone_offsets(hours, zone) != offset[at]))
-        time = plain(hours[hour]) + pd.Timedelta(seconds=float(offset.min()))
+        time = wall_time(hours[hour]) + pd.Timedelta(seconds=float(offset.min()))
         if ends[0] < time < ends[1]:
             yield time, float(offset[at + 1] - offset[at])
 
@@ -66,7 +66,7 @@ def zone_offsets(utc: pd.DatetimeIndex, zone: str) -> np.ndarray:
     return (local - utc.tz_localize(None)).total_seconds().to_numpy()
 
 
-def plain(time: Any) -> Any:
+def wall_time(time: Any) -> Any:
     """
     Wall time without its zone.
 
@@ -104,7 +104,9 @@ def zones_around(
         Name in the tz database.
     """
     year = pd.date_range(f"{time.year}-01-01", periods=12, freq="MS", tz="UTC")
-    near = sorted(places().items(), key=lambda item: distance(location, item[1]))
+    near = sorted(
+        zone_places().items(), key=lambda item: angular_distance(location, item[1])
+    )
     for zone, _ in near:
         moves = zone_offsets(year, zone)
         if moves.min() == offset < moves.max():
@@ -112,10 +114,10 @@ def zones_around(
 
 
 @cache
-def places() -> dict:
+def zone_places() -> dict:
     """Latitude and longitude of each zone's own place, in degrees."""
     coordinates = {}
-    for line in table().splitlines():
+    for line in zone_table().splitlines():
         if line and not line.startswith("#"):
             _, place, zone = line.split("\t")[:3]
             cut = max(place.rfind("+"), place.rfind("-"))
@@ -123,7 +125,7 @@ def places() -> dict:
     return coordinates
 
 
-def table() -> str:
+def zone_table() -> str:
     """The table of places, of the system or of the package tzdata; or none."""
     for folder in TZPATH:
         if (path := Path(folder) / TABLE).is_file():
@@ -141,7 +143,7 @@ def degrees(text: str, whole: int) -> float:
     return sign * (float(digits[:whole]) + minutes / 60)
 
 
-def distance(location: Location, place: tuple) -> float:
+def angular_distance(location: Location, place: tuple) -> float:
     """Of two places, in radians."""
     (a, b), (c, d) = np.radians([(location.latitude, location.longitude), place])
     cosine = np.sin(a) * np.sin(c) + np.cos(a) * np.cos(c) * np.cos(b - d)

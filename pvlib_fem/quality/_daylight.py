@@ -9,12 +9,12 @@ import pandas as pd
 from pvlib.location import Location
 
 from pvlib_fem.quality._clock_changes import (
-    plain,
     transitions,
+    wall_time,
     zone_offsets,
     zones_around,
 )
-from pvlib_fem.quality._hours import listed, offsets, span
+from pvlib_fem.quality._hours import date_span, listed_jumps, offsets
 from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._noon import SolarNoon, solar_noon_shift, universal
 from pvlib_fem.quality._onset import DAY
@@ -118,10 +118,11 @@ def daylight_saving(
     if zone:
         then, there = standard_index(index, zone)
         moved = solar_noon_shift(poa[there], then, *place)
-        if better(moved, now):
+        if fits_sun_better(moved, now):
             times, kept, now, due = then, there, moved, tuple(transitions(index, zone))
             words.append(
-                f"keeps the clock of {zone}, {changes(due)}: brought to standard time"
+                f"keeps the clock of {zone}, {changes_text(due)}: brought to standard "
+                "time"
             )
         else:
             zone, why = "", f"by {zone} the day's light is no nearer to the sun"
@@ -129,7 +130,7 @@ def daylight_saving(
     if now.jumps:
         then, there = by_segments(times, now)
         moved = solar_noon_shift(poa[kept][there], then, *place)
-        if better(moved, now):
+        if fits_sun_better(moved, now):
             words.append(
                 f"is {of_segments(now)}, where its clock was set"
                 f"{why and f' ({why})'}: brought to one clock"
@@ -156,7 +157,7 @@ def as_it_is(index: pd.DatetimeIndex, reason: str, noon: SolarNoon) -> Daylight:
     return Daylight("", reason, index, kept, jumps_kept=noon.jumps)
 
 
-def better(then: SolarNoon, now: SolarNoon) -> bool:
+def fits_sun_better(then: SolarNoon, now: SolarNoon) -> bool:
     """Whether fewer jumps remain, and the light is nearer to the sun."""
     near = root_mean_square(then.days) < root_mean_square(now.days)
     return len(then.jumps) < len(now.jumps) and near
@@ -173,7 +174,7 @@ def evidence_of(noon: SolarNoon, now: SolarNoon, lost: int) -> str:
         line += f"; {lost:,} rows around the changes have no sure time and are left out"
     if now.jumps:
         line += (
-            f"; it still moves by {listed(now.jumps)}, so that the times from "
+            f"; it still moves by {listed_jumps(now.jumps)}, so that the times from "
             f"{now.jumps[0][0].date()} on are not sure: {REMEDY}"
         )
     return line
@@ -202,28 +203,32 @@ def zone_of(
     """The zone that explains two jumps or more, or "" and what speaks against one."""
     own = str(location.tz)
     if due := list(transitions(index, own)):
-        why = against(due, own, noon, limits)
+        why = against_zone(due, own, noon, limits)
         return ("", why) if why else (own, "")
     origin = universal(index[0], location)
-    offset = (plain(index[0]) - origin).total_seconds()
+    offset = (wall_time(index[0]) - origin).total_seconds()
     for zone in zones_around(location, origin, offset):
-        if not against(list(transitions(index, zone)), zone, noon, limits):
+        if not against_zone(list(transitions(index, zone)), zone, noon, limits):
             return zone, ""
     return "", ""
 
 
-def against(due: list, zone: str, noon: SolarNoon, limits: Any) -> str:
+def against_zone(due: list, zone: str, noon: SolarNoon, limits: Any) -> str:
     """What speaks against a zone whose clock moves on these dates; "" if nothing."""
     unmatched, matched = list(due), 0
     for (_, by), within in zip(noon.jumps, noon.within):
-        for transition in [t for t in unmatched if same(*[t, by, *within, limits])][:1]:
+        for transition in [
+            t for t in unmatched if may_be_transition(*[t, by, *within, limits])
+        ][:1]:
             unmatched.remove(transition)
             matched += 1
     if matched < 2:
         on = "none of its dates" if not matched else "one of its dates alone"
-        return f"{zone} has {changes(due)}, and the day's light moves on {on}"
+        return f"{zone} has {changes_text(due)}, and the day's light moves on {on}"
     if missed := [t for t in unmatched if visible(t[0], noon.days, limits)]:
-        return f"{zone} has {changes(missed)}, and the day's light does not move then"
+        return (
+            f"{zone} has {changes_text(missed)}, and the day's light does not move then"
+        )
     return ""
 
 
@@ -252,16 +257,20 @@ def of_segments(noon: SolarNoon, most: int = 4) -> str:
             parts.append(f"{abs(late) / 60:.0f} min {way}{since}{until}")
     if len(parts) > most:
         worst = max(abs(late) for _, late in hours) / 60
-        return f"off by {worst:.0f} min at most, with jumps {span(noon.jumps)}"
+        return f"off by {worst:.0f} min at most, with jumps {date_span(noon.jumps)}"
     return ", ".join(parts)
 
 
-def changes(due: Sequence, most: int = 4) -> str:
+def changes_text(due: Sequence, most: int = 4) -> str:
     """The changes of a zone's clock in words."""
-    return listed(due) if len(due) <= most else f"{len(due)} changes {span(due)}"
+    return (
+        listed_jumps(due)
+        if len(due) <= most
+        else f"{len(due)} changes {date_span(due)}"
+    )
 
 
-def same(
+def may_be_transition(
     transition: tuple,
     by: float,
     earliest: pd.Timestamp,
@@ -276,7 +285,7 @@ def same(
     """
     time, due = transition
     day = pd.Timedelta(days=1)
-    first, last = plain(earliest) - day, plain(latest) + day
+    first, last = wall_time(earliest) - day, wall_time(latest) + day
     return (
         abs(by - due) < limits.daylight_tolerance and first <= time.normalize() <= last
     )
@@ -284,7 +293,7 @@ def same(
 
 def visible(time: pd.Timestamp, days: pd.Series, limits: Limits) -> bool:
     """Whether enough days on both sides of a time would have shown a jump."""
-    day, side = pd.DatetimeIndex([plain(d) for d in days.index]), limits.noon_window
+    day, side = pd.DatetimeIndex([wall_time(d) for d in days.index]), limits.noon_window
     at = int(day.searchsorted(time))
     if not side // 2 <= at <= len(day) - side // 2:
         return False

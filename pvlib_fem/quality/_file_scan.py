@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from pvlib_fem._record.checks import datetime_steps
-from pvlib_fem._record.clean import NONE, CleanRecord, covered
+from pvlib_fem._record.clean import NONE, CleanRecord, rows_in_spans
 from pvlib_fem._record.inputs import Inputs
 from pvlib_fem._record.parquet import Block, ParquetRecord
-from pvlib_fem._record.ranges import NO_CODE, as_codes, possible
+from pvlib_fem._record.ranges import NO_CODE, as_codes, possible_range
 from pvlib_fem.quality._limits import FASTEST, POSSIBLE, Limits
-from pvlib_fem.quality._outliers import few, jumps
+from pvlib_fem.quality._outliers import is_switch, jumps
 from pvlib_fem.quality._stray_times import refuse_gap
 from pvlib_fem.quality._stuck import DRIVERS, STILL, Standing, whole_run
 
@@ -44,7 +44,7 @@ class Column:
         """Look at the next rows; what stands for a value of them comes back."""
         low, high = np.fmin.reduce(values), np.fmax.reduce(values)
         self.missing += (lacking := int(np.isnan(values).sum()))
-        bounds = possible(self.name)
+        bounds = possible_range(self.name)
         least, most = bounds[:2] if bounds else NO_CODE
         held = possible_ones = values
         if low < least or high > most:
@@ -52,10 +52,10 @@ class Column:
             code = as_codes(values[rows])[0]
             self.note("fill value", rows[code], values, start, times)
             if bounds:
-                held = without(values, rows[code])
+                held = with_gaps(values, rows[code])
                 lacking += int(code.sum())
                 self.note("out of range", rows[~code], values, start, times)
-                possible_ones = without(values, rows)
+                possible_ones = with_gaps(values, rows)
             low, high = np.fmin.reduce(possible_ones), np.fmax.reduce(possible_ones)
         self.known += len(values) - lacking
         self.low, self.high = np.fmin(self.low, low), np.fmax(self.high, high)
@@ -137,7 +137,7 @@ class Column:
         # what the sample has of them twice too often is no share that is in doubt
         if not self.size or near.mean() > 2.0 * limits.max_accident_share:
             return none
-        if few(sizes[~near], limits):
+        if is_switch(sizes[~near], limits):
             return none
         parts, rest = [], 0.0
         for block in clean.blocks((self.name,)):
@@ -158,7 +158,7 @@ class Column:
         return rows, times, values
 
 
-def without(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
+def with_gaps(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
     values = np.array(values)
     values[rows] = np.nan
     return values
@@ -231,7 +231,7 @@ class Look:
             for name in self.columns:
                 holes = clean.holes_of(name)
                 if holes is not (NONE if before is None else before.holes_of(name)):
-                    lost = covered(holes, rows)
+                    lost = rows_in_spans(holes, rows)
                     columns[name] = np.where(lost, np.nan, inputs[name])
             if clean.clip and (inputs["poa_global"] < 0).any():
                 poa = columns.get("poa_global", inputs["poa_global"])

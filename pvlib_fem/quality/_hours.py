@@ -128,7 +128,7 @@ def days_of(origin: pd.Timestamp, seconds: list | np.ndarray) -> pd.DatetimeInde
     return (origin + pd.TimedeltaIndex(half_on)).normalize()
 
 
-def listed(jumps: Any, most: int = 4) -> str:
+def listed_jumps(jumps: Any, most: int = 4) -> str:
     """
     Sizes of jumps and their dates in words; of many the first, last and number.
 
@@ -148,17 +148,17 @@ def listed(jumps: Any, most: int = 4) -> str:
         return ", ".join(f"{by / 60:+.0f} min on {day.date()}" for day, by in jumps)
     sizes = sorted({abs(by) / 60 for _, by in jumps})
     ends = f"{sizes[0]:.0f}" + (f" to {sizes[-1]:.0f}" if len(sizes) > 1 else "")
-    return f"{ends} min {len(jumps)} times {span(jumps)}"
+    return f"{ends} min {len(jumps)} times {date_span(jumps)}"
 
 
-def span(jumps: Sequence) -> str:
+def date_span(jumps: Sequence) -> str:
     """
     First and last date of some jumps in words.
 
     Parameters
     ----------
     jumps : sequence of tuple
-        As of :func:`listed`, one at least.
+        As of :func:`listed_jumps`, one at least.
 
     Returns
     -------

@@ -24,7 +24,7 @@ MOST = 20.0 * 86400.0  # s of a record that are looked at
 SHARE = 0.99  # of the rows that follow the ends of their period
 
 
-def between(inputs: Inputs) -> Iterator:
+def interpolated_columns(inputs: Inputs) -> Iterator:
     """
     Report columns whose values are further apart than the rows.
 
@@ -48,7 +48,7 @@ def between(inputs: Inputs) -> Iterator:
     seconds = inputs.seconds[rows]
     periods = [period for period in PERIODS if period >= FEWEST_ROWS * step]
     for name in (name for name in COLUMNS if name in inputs.columns):
-        if filling := filled(inputs[name][rows], seconds, step, periods):
+        if filling := filling_of(inputs[name][rows], seconds, step, periods):
             words, period = filling
             yield (
                 f"{name} {words.format(period / 60)}, and rows are {step / 60:.2g} "
@@ -57,7 +57,9 @@ def between(inputs: Inputs) -> Iterator:
             )
 
 
-def filled(values: np.ndarray, seconds: np.ndarray, step: float, periods: list) -> Any:
+def filling_of(
+    values: np.ndarray, seconds: np.ndarray, step: float, periods: list
+) -> Any:
     """How a column is filled between values a period apart, in words, and which one."""
     there = np.isfinite(values)
     values, seconds = values[there], seconds[there]
@@ -67,8 +69,8 @@ def filled(values: np.ndarray, seconds: np.ndarray, step: float, periods: list) 
     change = np.abs(np.diff(values, prepend=values[0]))
     bend = np.abs(np.diff(values, n=2, prepend=values[0], append=values[-1]))
     forms = [
-        ("keeps a value for {:.0f} min", change, kept),
-        ("is a straight line between values {:.0f} min apart", bend, straight),
+        ("keeps a value for {:.0f} min", change, constant_between),
+        ("is a straight line between values {:.0f} min apart", bend, straight_between),
     ]
     still = {words: np.mean(ends <= 2.0 * fine) for words, ends, _ in forms}
     for period, (words, ends, between_knots) in product(periods, forms):
@@ -84,12 +86,16 @@ def filled(values: np.ndarray, seconds: np.ndarray, step: float, periods: list) 
     return None
 
 
-def kept(values: np.ndarray, seconds: np.ndarray, knots: np.ndarray) -> np.ndarray:
+def constant_between(
+    values: np.ndarray, seconds: np.ndarray, knots: np.ndarray
+) -> np.ndarray:
     """Values that stay from each knot to the next."""
     return values[knots][np.searchsorted(knots, np.arange(len(values)), "right") - 1]
 
 
-def straight(values: np.ndarray, seconds: np.ndarray, knots: np.ndarray) -> np.ndarray:
+def straight_between(
+    values: np.ndarray, seconds: np.ndarray, knots: np.ndarray
+) -> np.ndarray:
     """Values on straight lines from each knot to the next."""
     return np.interp(seconds, seconds[knots], values[knots])
 

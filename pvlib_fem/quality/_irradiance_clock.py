@@ -6,11 +6,11 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._record.checks import instants, usual_step
-from pvlib_fem.quality._hours import days_of, listed, side_of
-from pvlib_fem.quality._jumps import change, jumps_of
+from pvlib_fem.quality._hours import days_of, listed_jumps, side_of
+from pvlib_fem.quality._jumps import jumps_of, median_change
 from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._noon import middles, with_nights
-from pvlib_fem.quality._onset import DAY, night
+from pvlib_fem.quality._onset import DAY, solar_midnight
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ def twin_clock(
     seconds = (times - times[0]) / np.timedelta64(1, "s")
     if len(seconds) < 2 or seconds[-1] < limits.min_record:
         return IrradianceClock(np.nan, np.nan, pd.Series(dtype=float))
-    step, dark = usual_step(index), night(seconds, poa_global)
+    step, dark = usual_step(index), solar_midnight(seconds, poa_global)
     noons = []
     for one in (poa_global, other):
         light = with_nights(seconds - dark, np.asarray(one, dtype=float), limits)
@@ -69,7 +69,7 @@ def twin_clock(
     dates = days_of(index[0], dark + number * DAY)
     jumps = tuple((dates[jump["at"]], jump["by"]) for jump in noon_jumps)
     days = pd.Series(middle, dates)
-    late, stderr, _ = change(np.zeros(1), days.to_numpy())
+    late, stderr, _ = median_change(np.zeros(1), days.to_numpy())
     parts = []
     if abs(late) > limits.daylight_tolerance:
         error = max(stderr / 60, 1)
@@ -78,6 +78,6 @@ def twin_clock(
             "poa_global"
         )
     if jumps:
-        parts.append(f"jump against those of poa_global by {listed(jumps)}")
+        parts.append(f"jump against those of poa_global by {listed_jumps(jumps)}")
     line = " and ".join(parts)
     return IrradianceClock(float(late), float(stderr), days, jumps, line)

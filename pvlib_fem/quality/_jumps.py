@@ -39,26 +39,27 @@ def jumps_of(
     fewest = max(limits.noon_window // 2, 1)
     tried = np.arange(fewest, len(day) - fewest + 1)
     tried = tried[
-        np.abs(moves(middle, limits.noon_window))[tried] >= limits.daylight_tolerance
+        np.abs(median_moves(middle, limits.noon_window))[tried]
+        >= limits.daylight_tolerance
     ]
     candidates = filter(None, (jump_at(i, day, middle, limits, apart) for i in tried))
     # neighbours see the same jump; it is where both sides are the most even
     groups = []
     for jump in candidates:
-        if groups and together(groups[-1][-1], jump, limits):
+        if groups and same_jump(groups[-1][-1], jump, limits):
             groups[-1].append(jump)
         else:
             groups.append([jump])
     jumps = [evenest(group, limits) for group in groups]
     ends = [0, *(jump["at"] for jump in jumps), len(day)]
     sized = [
-        jump | {"by": size(day, middle, ends[i], jump["at"], ends[i + 2], limits)}
+        jump | {"by": jump_size(day, middle, ends[i], jump["at"], ends[i + 2], limits)}
         for i, jump in enumerate(jumps)
     ]
     return [widened(jump, day, middle, limits) for jump in sized if jump["by"]]
 
 
-def moves(middle: np.ndarray, side: int) -> np.ndarray:
+def median_moves(middle: np.ndarray, side: int) -> np.ndarray:
     """From the median of the days before each to that of the days after. [s]"""
     days = pd.Series(np.append(middle, np.nan))
     before = days.shift().rolling(side, min_periods=1).median()
@@ -66,7 +67,7 @@ def moves(middle: np.ndarray, side: int) -> np.ndarray:
     return (after - before).to_numpy()
 
 
-def together(one: dict, other: dict, limits: Limits) -> bool:
+def same_jump(one: dict, other: dict, limits: Limits) -> bool:
     """Whether two days see one jump; there and back within days are two."""
     near = other["day"] - one["day"] <= limits.noon_window
     near |= other["at"] - one["at"] == 1  # the days on either side of a gap
@@ -79,7 +80,7 @@ def jump_at(
     """A jump before the i-th day, or None."""
     first, last = max(i - limits.noon_window, 0), i + limits.noon_window
     around = day[first:last]
-    by, error, rough = change(middle[first:i], middle[i:last])
+    by, error, rough = median_change(middle[first:i], middle[i:last])
     far = around[-1] - around[0] > 4 * limits.noon_window
     if far and not (apart and whole_hours(by, limits)):
         return None
@@ -91,7 +92,7 @@ def jump_at(
     return dict(day=int(day[i]), before=int(day[i - 1]), at=i, by=by, rough=rough)
 
 
-def change(before: np.ndarray, after: np.ndarray) -> tuple[float, float, float]:
+def median_change(before: np.ndarray, after: np.ndarray) -> tuple[float, float, float]:
     """
     Move from one median to another.
 
@@ -127,12 +128,12 @@ def evenest(group: list, limits: Limits) -> dict:
     return best | dict(within=(near[0]["before"] + 1, near[-1]["day"]))
 
 
-def size(
+def jump_size(
     day: np.ndarray, middle: np.ndarray, first: int, at: int, end: int, limits: Limits
 ) -> float:
     """A jump's whole hours; else its minutes, if it holds for long; else 0. [s]"""
     side = limits.noon_window
-    by, _, _ = change(
+    by, _, _ = median_change(
         middle[max(first, at - side) : at], middle[at : min(end, at + side)]
     )
     if hour := whole_hours(by, limits):
@@ -142,7 +143,7 @@ def size(
     sides = middle[max(first, at - 3 * side) : at], middle[at : min(end, at + 3 * side)]
     if min(map(len, sides)) < side:
         return 0.0
-    by, error, _ = change(*sides)
+    by, error, _ = median_change(*sides)
     if abs(by) < max(limits.daylight_tolerance, 2 * limits.min_standard_errors * error):
         return 0.0
     return whole_hours(by, limits) or 60.0 * round(by / 60)

@@ -18,7 +18,7 @@ from scipy.stats import norm, t as student
 from pvlib_fem._record.column_names import is_power, twin_of
 from pvlib_fem._record.inputs import Columns
 from pvlib_fem.quality._limits import Limits
-from pvlib_fem.quality._onset import DAY, HOUR, decays, night
+from pvlib_fem.quality._onset import DAY, HOUR, decays, solar_midnight
 
 ANSWER = 3 * HOUR  # s, in which a module's answer is over
 
@@ -37,7 +37,7 @@ class Lag:
     hours: tuple = ()  # (from here on [s], late by that [s]), where that changes
 
 
-def lag(
+def coarse_lag(
     seconds: np.ndarray, poa: Any, air: np.ndarray, module: np.ndarray, limits: Limits
 ) -> Lag | None:
     """
@@ -64,13 +64,13 @@ def lag(
         return None
     step = base * max(1, round(limits.max_onset_step / base))
     count = round(DAY / step)
-    front = -night(seconds, poa)
-    even = grid(seconds + front, (poa, air, module), step, count)
-    poa, air, module = map(changes, even)
+    front = -solar_midnight(seconds, poa)
+    even = daily_grid(seconds + front, (poa, air, module), step, count)
+    poa, air, module = map(row_changes, even)
     sums = Products(poa, air, module, count, round(ANSWER / step))
     if not sums.informative:
         return None
-    overall = weighed(sums, step, limits)
+    overall = weighed_lag(sums, step, limits)
     if base <= limits.max_onset_step:  # whose onset is looked for
         return overall
     day = np.unique(np.floor((seconds + front) / DAY))
@@ -105,7 +105,7 @@ def retimed(
     return np.interp(seconds + late, seconds, values, left=np.nan, right=np.nan)
 
 
-def follows(poa_global: np.ndarray, *columns: np.ndarray) -> np.ndarray:
+def following_column(poa_global: np.ndarray, *columns: np.ndarray) -> np.ndarray:
     """The column whose changes follow those of irradiance best."""
     change = np.diff(poa_global)
 
@@ -145,12 +145,14 @@ def by_module_logger(columns: dict | Columns, retime: Callable) -> dict:
             like = moved.get("temp_module")
         if like is not None:
             later = retime(columns[name])
-            if follows(like, columns[name], later) is later:
+            if following_column(like, columns[name], later) is later:
                 moved[name] = later
     return moved
 
 
-def grid(seconds: np.ndarray, columns: tuple, step: float, count: int) -> Iterator:
+def daily_grid(
+    seconds: np.ndarray, columns: tuple, step: float, count: int
+) -> Iterator:
     """Means of columns over even steps of whole days; NaN on days without rows."""
     row = np.round(seconds / step - 1e-6).astype(np.int64)
     number = row // count
@@ -164,7 +166,7 @@ def grid(seconds: np.ndarray, columns: tuple, step: float, count: int) -> Iterat
         yield np.divide(total, many, out=np.full(size, np.nan), where=many > 0)
 
 
-def changes(values: np.ndarray) -> np.ndarray:
+def row_changes(values: np.ndarray) -> np.ndarray:
     """Changes from row to row; 0 next to a missing value."""
     change = np.diff(values, prepend=values[:1])
     return np.where(np.isfinite(change), change, 0.0)
@@ -241,7 +243,7 @@ class Products:
         return residual
 
 
-def weighed(sums: Products, step: float, limits: Limits) -> Lag:
+def weighed_lag(sums: Products, step: float, limits: Limits) -> Lag:
     """The lag with the least residual, and how surely it is less than without one."""
     lags = np.arange(sums.length)
     normal = sums.own[np.abs(lags[:, None] - lags)]
@@ -291,7 +293,7 @@ def hours_by_days(sums: Products, overall: Lag, limits: Limits) -> list:
     runs = []
     for first, end in pairwise(parts.astype(int)):
         part = sums.part(first, end)
-        one = weighed(part, overall.step, limits) if part.informative else None
+        one = weighed_lag(part, overall.step, limits) if part.informative else None
         if (
             one is None
             or one.share < limits.min_lag_share

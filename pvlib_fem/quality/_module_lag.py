@@ -17,10 +17,17 @@ from scipy.stats import median_abs_deviation, norm, t as student, theilslopes
 from pvlib_fem._converter import AnyFloat
 from pvlib_fem._record.checks import usual_step
 from pvlib_fem._record.inputs import Record
-from pvlib_fem.quality._hours import day_of, hours_of, listed, offsets, side_of
-from pvlib_fem.quality._lag import Lag, lag, retimed
+from pvlib_fem.quality._hours import day_of, hours_of, listed_jumps, offsets, side_of
+from pvlib_fem.quality._lag import Lag, coarse_lag, retimed
 from pvlib_fem.quality._limits import Limits
-from pvlib_fem.quality._onset import DAY, HOUR, Sums, daily_sums, measured_blocks, plain
+from pvlib_fem.quality._onset import (
+    DAY,
+    HOUR,
+    Sums,
+    daily_sums,
+    measured_blocks,
+    usual_response,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +121,7 @@ def clock_shift(
     (40 s) and held over each step; the time at which it begins is fitted. Errors
     leave days whole, since clouds of one day are not independent.
 
-    The lag in whole steps is found first, by :func:`.lag.lag`: over
+    The lag in whole steps is found first, by :func:`._lag.coarse_lag`: over
     half a day either way and on rows up to an hour apart. By rows of 15 min or less
     the onset is then looked for around that.
 
@@ -131,16 +138,18 @@ def clock_shift(
     limits = limits or Limits()
     seconds = record.inputs.seconds
     if len(seconds) < 2 or seconds[-1] < limits.min_record:
-        return unknown("the record is shorter than two days")
+        return unknown_clock("the record is shorter than two days")
     if (base := usual_step(record.index)) > limits.max_noon_step:
-        return unknown(f"rows are {base / 60:.0f} min apart, longer than a response")
+        return unknown_clock(
+            f"rows are {base / 60:.0f} min apart, longer than a response"
+        )
     poa, module = record["poa_global"], record["temp_module"]
     if skip is not None:
         module = np.where(skip, np.nan, module)
-    coarse = lag(seconds, poa, record["temp_air"], module, limits)
+    coarse = coarse_lag(seconds, poa, record["temp_air"], module, limits)
     if base > limits.max_onset_step:
         if coarse is None:
-            return unknown("hardly any light moves it")
+            return unknown_clock("hardly any light moves it")
         return by_hours(record.index[0], coarse) if coarse.hours else by_rows(coarse)
     far = coarse.late if coarse and abs(coarse.late) > HOUR else 0.0
     if far:
@@ -152,7 +161,9 @@ def clock_shift(
     if not blocks and far:
         return by_rows(coarse)
     if not blocks:
-        return unknown("too little broken cloud, whose edges show where it begins")
+        return unknown_clock(
+            "too little broken cloud, whose edges show where it begins"
+        )
     return judge(record.index[0], seconds, sums, blocks, changes, limits, far)
 
 
@@ -162,7 +173,7 @@ def by_hours(origin: pd.Timestamp, coarse: Lag) -> Clock:
     hours = ((-np.inf, first), *rest)
     moves = [late - before for (_, before), (_, late) in pairwise(hours)]
     jumps = tuple((day_of(origin, at), by) for (at, _), by in zip(rest, moves))
-    line = f"the clock of temp_module jumps by {listed(jumps)}"
+    line = f"the clock of temp_module jumps by {listed_jumps(jumps)}"
     if len(jumps) > 1 and all(abs(by) == HOUR for by in moves):
         line += ", as daylight-saving time does"
     faults = {"dst": line}
@@ -184,13 +195,13 @@ def by_rows(coarse: Any) -> Clock:
     return Clock(coarse.late, 0.0, faults=faults, why=line, limit=coarse.step)
 
 
-def unknown(reason: str) -> Clock:
+def unknown_clock(reason: str) -> Clock:
     return Clock(why=f"the module's clock was not checked: {reason}")
 
 
 def jumps_between(sums: Sums, blocks: list, limits: Limits) -> list:
     """Days at which the clock moved by an hour, and by what. [s]"""
-    shape, jumps = plain(sums.step), []
+    shape, jumps = usual_response(sums.step), []
     for one, other, end in zip(blocks, blocks[1:], [*blocks[2:], {"day": len(sums)}]):
         moved = abs(other["late"] - one["late"])
         if abs(moved - HOUR) >= limits.min_noon_error:
@@ -221,7 +232,7 @@ def judge(
     late = blocks["late"] - offsets(hours, blocks["seconds"])
     days = (blocks["seconds"] - middle) / DAY
     points = (days.to_numpy(), late.to_numpy(), blocks["stderr"].to_numpy())
-    value, stderr, drift, drift_stderr, centre, rest = line(*points, limits)
+    value, stderr, drift, drift_stderr, centre, rest = line_of_blocks(*points, limits)
     limit, faults = sums.step + limits.onset_tolerance, {}
     gained = drift * seconds[-1] / DAY / 60
     if 60 * abs(gained) > limit and abs(drift) > sure(rest - 1, limits) * drift_stderr:
@@ -240,8 +251,8 @@ def judge(
     jumps = tuple((day_of(origin, c["seconds"]), c["by"]) for c in changes)
     if jumps:
         faults["dst"] = (
-            f"the clock of temp_module jumps by {listed(jumps)}, as daylight-saving "
-            "time does"
+            f"the clock of temp_module jumps by {listed_jumps(jumps)}, as "
+            "daylight-saving time does"
         )
     blocks["start"] = [day_of(origin, sums.begin(day)) for day in blocks["day"]]
     return Clock(
@@ -259,7 +270,9 @@ def judge(
     )
 
 
-def line(x: np.ndarray, y: np.ndarray, stderr: np.ndarray, limits: Limits) -> tuple:
+def line_of_blocks(
+    x: np.ndarray, y: np.ndarray, stderr: np.ndarray, limits: Limits
+) -> tuple:
     """Mean and slope of blocks with their errors, their centre, and how many more."""
     if len(x) > 3:  # blocks that are out of line by an accident do not count
         off = y - theilslopes(y, x).slope * x

@@ -54,17 +54,17 @@ class NightLight:
         lit = there & (lit > LIT * known)
         # a clock that was set for some days has many such nights, and its own are lit
         seldom = (
-            share(lit, there, self.limits.noon_window)
+            share_around(lit, there, self.limits.noon_window)
             <= self.limits.max_lit_night_share
         )
-        seldom &= share(lit, there, self.limits.daylight_window) < 0.5
+        seldom &= share_around(lit, there, self.limits.daylight_window) < 0.5
         return (seldom & self.far_from_noon()).ravel()
 
     def far_from_noon(self) -> np.ndarray:
         """Whether a time of a day is more than a quarter of a day from its noon."""
         mean = self.sum / np.maximum(self.known, 1.0)
         part = (np.arange(self.parts) + 0.5) / self.parts
-        turn = around(mean, self.limits.noon_window) @ np.exp(2j * np.pi * part)
+        turn = sums_around(mean, self.limits.noon_window) @ np.exp(2j * np.pi * part)
         noon = np.angle(turn) / (2.0 * np.pi)
         far = np.abs((part - noon[:, None] + 0.5) % 1.0 - 0.5)
         return far > HALF_DAY + 1.0 / self.parts
@@ -76,16 +76,16 @@ def with_adjacent(table: np.ndarray) -> np.ndarray:
     return (flat[2 * NEAR + 1 :] - flat[: -2 * NEAR - 1]).reshape(table.shape)
 
 
-def around(table: np.ndarray, side: int) -> np.ndarray:
+def sums_around(table: np.ndarray, side: int) -> np.ndarray:
     """Sums over some days before and after, and the day itself."""
     whole = np.cumsum(np.pad(table, ((side + 1, side), (0, 0))), axis=0)
     return whole[2 * side + 1 :] - whole[: -2 * side - 1]
 
 
-def share(lit: np.ndarray, there: np.ndarray, side: int) -> np.ndarray:
+def share_around(lit: np.ndarray, there: np.ndarray, side: int) -> np.ndarray:
     """Share of lit ones of the days around, each without itself; NaN of few."""
-    number = around(there.astype(float), side) - there
-    many = around(lit.astype(float), side) - lit
+    number = sums_around(there.astype(float), side) - there
+    many = sums_around(lit.astype(float), side) - lit
     return np.divide(
         many, number, out=np.full(lit.shape, np.nan), where=number >= FEWEST
     )

@@ -12,10 +12,10 @@ from pvlib_fem._record.checks import instants, usual_step
 from pvlib_fem.drivers import standard_time
 from pvlib_fem.drivers._mounts import orientation
 from pvlib_fem.drivers._planes import ANGLES
-from pvlib_fem.quality._hours import day_of, days_of, listed, offsets, side_of
+from pvlib_fem.quality._hours import day_of, days_of, listed_jumps, offsets, side_of
 from pvlib_fem.quality._jumps import jumps_of, whole_hours
 from pvlib_fem.quality._limits import Limits
-from pvlib_fem.quality._onset import DAY, HOUR, night
+from pvlib_fem.quality._onset import DAY, HOUR, solar_midnight
 
 #: standard time lasts 18 weeks and more between two summers
 SHORTEST = pd.Timedelta(weeks=17)
@@ -86,14 +86,14 @@ def solar_noon_shift(
     seconds = (times - times[0]) / np.timedelta64(1, "s")
     if len(seconds) < 2 or seconds[-1] < limits.min_record:
         return SolarNoon(np.nan, pd.Series(dtype=float), (), {})
-    step, dark = usual_step(index), night(seconds, poa_global)
+    step, dark = usual_step(index), solar_midnight(seconds, poa_global)
     poa = with_nights(seconds - dark, np.asarray(poa_global, dtype=float), limits)
     day, middle = middles(seconds - dark, poa, step, limits)
     if location is not None:
         origin = universal(index[0], location) + pd.Timedelta(seconds=dark)
         plane = (surface_tilt, surface_azimuth, mount)
         start = index[0] + pd.Timedelta(seconds=dark)
-        late = middle - due(origin, day, location, plane, limits, start)
+        late = middle - due_noons(origin, day, location, plane, limits, start)
         middle = (late + DAY / 2) % DAY - DAY / 2
     when = dark + (day + 0.5) * DAY
     why, changes = "", []
@@ -147,7 +147,7 @@ def noon_faults(late: float, jumps: tuple, step: float, limits: Limits) -> dict:
         )
     if not jumps:
         return faults
-    moves = f"the day's light moves by {listed(jumps)}"
+    moves = f"the day's light moves by {listed_jumps(jumps)}"
     hours = [day for day, by in jumps if abs(by) == HOUR]
     if len(hours) > 1 and hours[-1] - hours[0] > SHORTEST:
         faults["file_dst"] = (
@@ -224,7 +224,7 @@ def middles(
         return np.zeros(0, dtype=int), np.zeros(0)
     day = np.floor(seconds / DAY).astype(int)
     rows = np.bincount(day, np.isfinite(poa))
-    lit = lit[longest(day[lit], seconds[lit], limits)]
+    lit = lit[longest_light(day[lit], seconds[lit], limits)]
     of_lit, first = np.unique(day[lit], return_index=True)
     last = np.append(first[1:], len(lit)) - 1
     highest = np.maximum.reduceat(poa[lit], first)
@@ -240,7 +240,7 @@ def middles(
     return of_lit[whole], ((rise + fall) / 2 - of_lit * DAY)[whole]
 
 
-def longest(day: np.ndarray, seconds: np.ndarray, limits: Limits) -> np.ndarray:
+def longest_light(day: np.ndarray, seconds: np.ndarray, limits: Limits) -> np.ndarray:
     """Lit rows of the longest part of each day's light, of those a night apart."""
     new = np.diff(seconds) > limits.min_night
     new |= np.diff(day) > 0
@@ -285,7 +285,7 @@ def universal(time: pd.Timestamp, location: Location) -> pd.Timestamp:
     return standard_time(pd.DatetimeIndex([time]), location)[0].tz_localize(None)
 
 
-def due(
+def due_noons(
     origin: pd.Timestamp,
     days: np.ndarray,
     location: Location,
@@ -344,7 +344,7 @@ def due(
     )["poa_global"]
     # each day by itself and from dark to dark, wherever its own midnight is
     poa = np.asarray(poa)
-    dark = round(night(seconds, poa) / 300.0)
+    dark = round(solar_midnight(seconds, poa) / 300.0)
     poa = np.roll(poa.reshape(len(some), -1), -dark, axis=1).ravel()
     day, middle = middles(seconds, poa, 300.0, limits)
     if not len(day):

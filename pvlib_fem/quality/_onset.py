@@ -79,7 +79,7 @@ def daily_sums(
     gather = max(1, round(FINEST / base))
     step = base * gather
     count = round(DAY / step)
-    front = round(-night(seconds, poa) / step) * gather
+    front = round(-solar_midnight(seconds, poa) / step) * gather
     row = front + np.round(seconds / base).astype(int)
     # only days that have rows: a stray time may be centuries from the others
     number, place = np.unique(row // (count * gather), return_inverse=True)
@@ -94,8 +94,8 @@ def daily_sums(
     came = came.mean(axis=1) if gather > 1 else came[:, 0]
     # days are apart where there is a gap between them
     apart = np.flatnonzero(np.diff(number) > 1) + 1
-    x = changes(came, step, apart * count).reshape(-1, count)
-    y = changes(fold(module)[:, -1], step, apart * count).reshape(-1, count)
+    x = hourly_changes(came, step, apart * count).reshape(-1, count)
+    y = hourly_changes(fold(module)[:, -1], step, apart * count).reshape(-1, count)
     reach = int((limits.max_onset_shift + AFTER) / step)
     # daily transforms are small and alike on any number of cores
     length = next_fast_len(count + reach, real=True)
@@ -106,7 +106,7 @@ def daily_sums(
     return Sums(own, cross, step, -front * base, count * step, number)
 
 
-def night(seconds: np.ndarray, poa: np.ndarray) -> float:
+def solar_midnight(seconds: np.ndarray, poa: np.ndarray) -> float:
     """
     Midnight by the sun at or before a record's first row.
 
@@ -131,7 +131,7 @@ def night(seconds: np.ndarray, poa: np.ndarray) -> float:
     return round((noon - DAY / 2) % DAY / 600.0) * 600.0 - DAY
 
 
-def changes(values: np.ndarray, step: float, apart: np.ndarray) -> np.ndarray:
+def hourly_changes(values: np.ndarray, step: float, apart: np.ndarray) -> np.ndarray:
     """Changes from row to row, less their hour's mean; 0 next to a NaN or a gap."""
     change = np.diff(values, prepend=values[:1])
     change[~np.isfinite(change)] = 0.0
@@ -157,23 +157,23 @@ def decays(lags: np.ndarray, step: float, onset: float) -> np.ndarray:
     numpy.ndarray, shape (lags, decays)
         As a share of the final answer; 0 before the onset. [-]
     """
-    return between(np.append(lags, lags[-1] + 1) * step - onset)
+    return changes_between(np.append(lags, lags[-1] + 1) * step - onset)
 
 
-def between(since: np.ndarray) -> np.ndarray:
+def changes_between(since: np.ndarray) -> np.ndarray:
     """Change of each decay from one time since a step of irradiance to the next."""
-    answer = response(since[:, None])
+    answer = decay_response(since[:, None])
     return answer[1:] - answer[:-1]
 
 
-def response(since: np.ndarray) -> np.ndarray:
+def decay_response(since: np.ndarray) -> np.ndarray:
     """Of a decay, seen by the sensor, to a step at 0."""
     since = np.maximum(since, 0.0)
     own, seen = np.exp(-since / DECAYS), np.exp(-since / SENSOR)
     return 1.0 - (DECAYS * own - SENSOR * seen) / (DECAYS - SENSOR)
 
 
-def plain(step: float) -> np.ndarray:
+def usual_response(step: float) -> np.ndarray:
     """
     Change per row of a usual module after a step of irradiance.
 
@@ -221,14 +221,14 @@ def measured_blocks(sums: Sums, changes: list, limits: Any) -> list:
         parts = np.array_split(
             np.arange(first, end), max(1, round((end - first) / length))
         )
-        blocks += [measure(sums, days, limits) for days in parts]
+        blocks += [measured_onset(sums, days, limits) for days in parts]
     return [block for block in blocks if block is not None]
 
 
-def measure(sums: Sums, days: np.ndarray, limits: Any) -> dict | None:
+def measured_onset(sums: Sums, days: np.ndarray, limits: Any) -> dict | None:
     """Onset in some days together, or None where clouds do not show it."""
     own, cross = sums.own[days].sum(axis=0), sums.cross[days].sum(axis=0)
-    shape = plain(sums.step)
+    shape = usual_response(sums.step)
     height = np.correlate(cross, shape, "valid")
     coarse = int(np.argmax(height)) - sums.reach
     # a clear sky's answer has no peak that stands out
@@ -244,7 +244,7 @@ def measure(sums: Sums, days: np.ndarray, limits: Any) -> dict | None:
 
     def weigh(onset: float) -> tuple[np.ndarray, float]:
         """Weights of the decays, none below 0, and the misfit but a constant."""
-        shapes = between(edges - onset)
+        shapes = changes_between(edges - onset)
         square = shapes.T @ normal @ shapes
         trace = square.trace()
         if not trace > 0:  # it would begin beyond the last lag
@@ -255,18 +255,18 @@ def measure(sums: Sums, days: np.ndarray, limits: Any) -> dict | None:
         weights, rest = nnls(root.T, right)
         return weights, rest**2 - right @ right
 
-    onset = least(lambda onset: weigh(onset)[1], coarse * sums.step, sums.step)
+    onset = least_on_grid(lambda onset: weigh(onset)[1], coarse * sums.step, sums.step)
     weights = weigh(onset)[0]
     if not weights.any():
         return None
-    stderr, information = error(sums, days, lags, onset, weights, normal)
+    stderr, information = onset_error(sums, days, lags, onset, weights, normal)
     if not stderr < sums.step + limits.onset_tolerance:
         return None
     middle = np.average(sums.begin(days), weights=information) + sums.day / 2
     return dict(day=days[0], seconds=middle, late=onset, stderr=stderr, coarse=coarse)
 
 
-def least(misfit: Callable, near: float, step: float) -> float:
+def least_on_grid(misfit: Callable, near: float, step: float) -> float:
     """Where a function of time is least: on a grid, then between its neighbours."""
     width = max(step / 2, 60.0)
     grid = near + width * np.arange(-8, 9)
@@ -275,7 +275,7 @@ def least(misfit: Callable, near: float, step: float) -> float:
     return minimize_scalar(misfit, bounds=bounds, method="bounded", options=options).x
 
 
-def error(
+def onset_error(
     sums: Sums,
     days: np.ndarray,
     lags: np.ndarray,

@@ -6,11 +6,11 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._record.checks import dates_of
-from pvlib_fem._record.ranges import possible
+from pvlib_fem._record.ranges import possible_range
 from pvlib_fem.quality._limits import FASTEST, Limits
 
 
-def apart(codes: np.ndarray, rest: np.ndarray, limits: Limits) -> np.ndarray:
+def codes_apart(codes: np.ndarray, rest: np.ndarray, limits: Limits) -> np.ndarray:
     """
     Codes in a column of unknown range that are no values.
 
@@ -34,12 +34,12 @@ def apart(codes: np.ndarray, rest: np.ndarray, limits: Limits) -> np.ndarray:
         return codes
     low, high = rest.min(), rest.max()
     above = codes >= limits.min_fill_ratio * max(abs(low), abs(high))
-    above &= not few(rest, limits)  # a switch may be on at any number
+    above &= not is_switch(rest, limits)  # a switch may be on at any number
     below = (codes < 0) & (codes <= limits.min_fill_ratio * min(low, 0.0))
     return codes[above | below]
 
 
-def few(values: np.ndarray, limits: Limits) -> bool:
+def is_switch(values: np.ndarray, limits: Limits) -> bool:
     """
     Whether a column has so few different values that it is a switch.
 
@@ -75,13 +75,13 @@ def out_of_range(name: str, values: np.ndarray) -> np.ndarray:
     numpy.ndarray of bool, shape (rows,)
         False for NaN, and for all rows of a column whose range is not known.
     """
-    bounds = possible(name)
+    bounds = possible_range(name)
     if bounds is None:
         return np.zeros(len(values), dtype=bool)
-    return outside(values, *bounds[:2])
+    return rows_outside(values, *bounds[:2])
 
 
-def outside(values: np.ndarray, low: float, high: float) -> np.ndarray:
+def rows_outside(values: np.ndarray, low: float, high: float) -> np.ndarray:
     """
     Rows of values below one bound or above the other.
 
@@ -228,7 +228,7 @@ def range_ends(name: str, values: np.ndarray, index: pd.Index, limits: Limits) -
         if len(np.unique(dates_of(index[at]))) < limits.min_range_end_days:
             continue
         below = size[size < most]
-        if few(values[np.isfinite(values)], limits) or not len(below):
+        if is_switch(values[np.isfinite(values)], limits) or not len(below):
             continue
         # a coarse sensor has its next value further away
         near = min(most - limits.max_accident_share * (most - below.min()), below.max())
@@ -318,7 +318,7 @@ def jumps(
     x = values if known.all() else values[known]
     # no jump there and back without one there, of which there are few
     step, least = np.diff(x), limits.min_spike
-    begin = np.flatnonzero(outside(step, -least, least))
+    begin = np.flatnonzero(rows_outside(step, -least, least))
     if not len(begin):
         return result
     there = np.flatnonzero(known)

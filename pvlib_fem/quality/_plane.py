@@ -47,7 +47,7 @@ class Plane:
     def is_another(self, surface_tilt: float, surface_azimuth: float) -> bool:
         """Whether it is surely not the plane of these angles."""
         stated = np.array([surface_tilt, surface_azimuth])
-        apart = turned(stated - [*self.angles.values()])
+        apart = angle_differences(stated - [*self.angles.values()])
         return bool((np.abs(apart) > SURE * np.array(self.errors)).any())
 
     @property
@@ -117,7 +117,7 @@ def plane_of(
     # way through the seasons counts, and what its air does; for each day its shape
     both = [sky.scaled_by(by).plane() for by in (np.asarray(local.year)[rows], sky.day)]
     angles, errors, residuals = (np.array(part) for part in zip(*both))
-    apart = turned(angles[1] - angles[0])
+    apart = angle_differences(angles[1] - angles[0])
     tilt, turn = (angles[0] + apart / 2.0).tolist()
     errors = np.maximum(errors.max(axis=0), np.abs(apart) / 2.0)
     errors = np.maximum(errors, LEAST_ERROR).tolist()
@@ -229,7 +229,7 @@ def clear_days(
     return rows, Sky.of(*[*of_rows, location])
 
 
-def turned(angles: np.ndarray) -> np.ndarray:
+def angle_differences(angles: np.ndarray) -> np.ndarray:
     """Differences of tilt and azimuth, the short way round."""
     tilt, turn = angles.T
     return np.array([tilt, (turn + 180.0) % 360.0 - 180.0]).T
@@ -317,7 +317,7 @@ class Sky:
         angles = sky.search(best)
         folds = sky.day % GROUPS
         others = [sky.rows(folds != fold).search(angles) for fold in range(GROUPS)]
-        apart = turned(np.array(others) - angles)
+        apart = angle_differences(np.array(others) - angles)
         errors = np.sqrt((GROUPS - 1) / GROUPS * (apart**2).sum(axis=0))
         return angles, errors, np.sqrt(np.mean(sky.residual(angles) ** 2))
 

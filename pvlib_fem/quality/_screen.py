@@ -11,7 +11,7 @@ from pvlib_fem._record.column_names import ALIASES, RENAMED, printable, with_ali
 from pvlib_fem._record.inputs import Columns, Record, read
 from pvlib_fem._record.ranges import range_of
 from pvlib_fem.quality._limits import POSSIBLE, Limits
-from pvlib_fem.quality._screening import KINDS, Screener, sentence
+from pvlib_fem.quality._screening import KINDS, Screener, fault_sentence
 from pvlib_fem.quality._stray_times import refuse_stray
 from pvlib_fem.quality._unit_checks import oddities, refuse_doubtful, refuse_units
 
@@ -55,7 +55,7 @@ class Faults:
     @property
     def notes(self) -> tuple:
         """The findings in sentences."""
-        return tuple(map(sentence, self.counts.itertuples()))
+        return tuple(map(fault_sentence, self.counts.itertuples()))
 
     def and_in(self, rows: np.ndarray, other: "Faults") -> "Faults":
         """The faults with those of temp_module in some rows from another."""
@@ -109,7 +109,7 @@ def screened(
     return less(record, screening, clipped)
 
 
-def alone(
+def screened_alone(
     record: Record,
     limits: Limits,
     check_units: bool = True,

@@ -11,24 +11,24 @@ import pandas as pd
 from pvlib_fem._record.clean import (
     CleanRecord,
     FrameRecord,
-    masked,
-    size,
+    count_rows,
     spans,
-    united,
+    spans_mask,
+    united_spans,
 )
 from pvlib_fem._record.column_names import GEOMETRY, ROTATION
 from pvlib_fem._record.header_units import of_any_unit
 from pvlib_fem._record.inputs import Inputs, Record
-from pvlib_fem._record.ranges import possible
+from pvlib_fem._record.ranges import possible_range
 from pvlib_fem.quality._file_scan import Look
 from pvlib_fem.quality._limits import POSSIBLE, Limits
 from pvlib_fem.quality._nightlight import light_by_night
 from pvlib_fem.quality._outliers import (
-    apart,
     at_end,
+    codes_apart,
     is_light,
-    outside,
     range_ends,
+    rows_outside,
     slots,
 )
 from pvlib_fem.quality._stuck import (
@@ -62,7 +62,7 @@ KINDS = {
 }
 
 
-def sentence(row: Any) -> str:
+def fault_sentence(row: Any) -> str:
     """
     What was found in one column, in one line.
 
@@ -77,7 +77,7 @@ def sentence(row: Any) -> str:
     str
         A sentence without a full stop.
     """
-    low, high, unit = possible(row.column) or (0, 0, "")
+    low, high, unit = possible_range(row.column) or (0, 0, "")
     what = KINDS[row.kind].format(value=row.value, low=low, high=high, unit=unit)
     many = f"in {row.rows:,} rows, first at" if row.rows > 1 else "at"
     return f"{row.column} {what} {many} {row.first}: not used"
@@ -96,7 +96,7 @@ def refuse_share(
 ) -> None:
     """Refuse a column of which too large a share cannot be, as ``value`` cannot."""
     if share > limits.max_impossible_share:
-        low, high, unit = possible(name)
+        low, high, unit = possible_range(name)
         raise ValueError(
             f"{100 * share:.0f} % of {name} is physically impossible (outside {low:g} "
             f"… {high:g} {unit}), first {value:g} at {time}; check its unit and sensor"
@@ -133,7 +133,7 @@ class Screener:
             for name, one in self.ruled():
                 self.note(kind, name, *one.rows_of(kind))
         for name, one in self.ruled():
-            if possible(name) is None:  # of which a lone one is a spike
+            if possible_range(name) is None:  # of which a lone one is a spike
                 far = self.limits.min_fill_ratio**3
                 self.note("spike", name, *one.beyond(self.clean, sample[name], far, 1))
         if "poa_global" in self.tested and "poa_global" not in self.doubts:
@@ -150,7 +150,7 @@ class Screener:
         numbers = np.arange(len(sample.index)) * self.look.every
         for name in POSSIBLE:
             spikes = self.look.columns[name].rows_of("spike")[0]
-            rows = outside(sample[name], *of_any_unit(name))
+            rows = rows_outside(sample[name], *of_any_unit(name))
             if (rows := rows | np.isin(numbers, spikes)).any():
                 lost[name] = rows
         return sample.having(sample.columns.put(np.nan, lost)) if lost else sample
@@ -181,7 +181,7 @@ class Screener:
         before = self.fault_spans.setdefault(kind, {}).get(name)
         if before is None or rows[0, 0] < before[0, 0]:
             self.first[kind, name] = time, float(value)
-        both = rows if before is None else united(before, rows)
+        both = rows if before is None else united_spans(before, rows)
         self.fault_spans[kind][name] = both
         self.clean = self.clean.lacking({name: rows})
 
@@ -207,10 +207,10 @@ class Screener:
         sample = self.sampled()
         for name, one in self.ruled():
             rows, times, values = one.rows_of("fill value")
-            if possible(name) is None and len(rows):
+            if possible_range(name) is None and len(rows):
                 rounded, rest = np.round(values, 2), sample[name]
                 rest = rest[np.isfinite(rest) & ~np.isin(rest, values)]
-                codes = apart(np.unique(rounded), rest, limits)
+                codes = codes_apart(np.unique(rounded), rest, limits)
                 kept = np.isin(rounded, codes)
                 rows, times, values = rows[kept], times[kept], values[kept]
                 again |= len(rows) > 0
@@ -252,7 +252,7 @@ class Screener:
                 "negative by day", "poa_global", *map(np.concatenate, zip(*parts))
             )
             self.look_again()
-        rows = size(
+        rows = count_rows(
             self.fault_spans.get("negative by day", {}).get("poa_global", spans([]))
         )
         beyond = self.look.columns["poa_global"].rows_of("out of range")[2]
@@ -318,8 +318,8 @@ class Screener:
                 continue
             by_kind = {kind: self.fault_spans[kind][name] for kind in there}
             total = self.look.columns[name].known
-            total += size(by_kind.get("negative by day", spans([])))
-            share = sum(map(size, by_kind.values())) / max(total, 1)
+            total += count_rows(by_kind.get("negative by day", spans([])))
+            share = sum(map(count_rows, by_kind.values())) / max(total, 1)
             first = min(by_kind, key=lambda kind, by_kind=by_kind: by_kind[kind][0, 0])
             time, value = self.first[first, name]
             refuse_share(name, share, value, time, self.limits)
@@ -355,7 +355,7 @@ class Screener:
         for kind in KINDS:
             for name in self.clean.names:
                 if name in self.fault_spans.get(kind, {}):
-                    rows = size(self.fault_spans[kind][name])
+                    rows = count_rows(self.fault_spans[kind][name])
                     yield FaultRow(name, kind, rows, *self.first[kind, name])
 
     def masks(self) -> dict:
@@ -363,7 +363,7 @@ class Screener:
         rows = len(self.clean)
         return {
             kind: {
-                name: masked(self.fault_spans[kind][name], rows)
+                name: spans_mask(self.fault_spans[kind][name], rows)
                 for name in self.clean.names
                 if name in self.fault_spans[kind]
             }
@@ -372,7 +372,7 @@ class Screener:
         }
 
 
-def stuck(record: Record, limits: Limits | None = None) -> dict[str, np.ndarray]:
+def stuck_rows(record: Record, limits: Limits | None = None) -> dict[str, np.ndarray]:
     """
     Rows in which a sensor is stuck while its driver changes.
 

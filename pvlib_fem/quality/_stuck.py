@@ -9,7 +9,7 @@ import pandas as pd
 
 from pvlib_fem._record.clean import (
     CleanRecord,
-    covered,
+    rows_in_spans,
 )
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._record.parquet import Block
@@ -489,7 +489,7 @@ def becalmed(clean: CleanRecord, usual: float, rest: float, limits: Limits) -> l
     for block in clean.blocks(("wind_speed",)) if len(calm) else ():
         values = block["wind_speed"]
         there = np.flatnonzero(np.isfinite(values))
-        rows = there[covered(calm, np.arange(number, number + len(there)))]
+        rows = there[rows_in_spans(calm, np.arange(number, number + len(there)))]
         parts.append([rows + block.start, block.times[rows], values[rows]])
         number += len(there)
     return [np.concatenate(part) for part in zip(*parts)]

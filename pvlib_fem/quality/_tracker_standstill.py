@@ -132,8 +132,8 @@ def standing_of(
     stands = (best < CLEAR) & (moving > np.maximum(CLEAR, BETTER * best))
     moves = moving < CLEAR
     return tuple(
-        described(sky, axis, days, some, at, moving, *edges)
-        for some, *edges in runs(days, stands, moves, at)
+        described_standing(sky, axis, days, some, at, moving, *edges)
+        for some, *edges in standstill_runs(days, stands, moves, at)
     )
 
 
@@ -194,7 +194,7 @@ def nearest_by_day(sky: Any, planes: Any, turns: Any) -> tuple[Any, Any]:
     return best, at
 
 
-def runs(days: Any, stands: Any, moves: Any, at: Any) -> Iterator:
+def standstill_runs(days: Any, stands: Any, moves: Any, at: Any) -> Iterator:
     """Groups of days that stand in one plane, and the clear days that move around."""
     some: list[int] = []
     last = days[0] - 1
@@ -213,7 +213,7 @@ def runs(days: Any, stands: Any, moves: Any, at: Any) -> Iterator:
             some = [*some, i]
 
 
-def described(
+def described_standing(
     sky: Any,
     axis: Any,
     days: Any,

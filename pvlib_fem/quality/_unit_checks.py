@@ -21,8 +21,8 @@ from pvlib_fem._record.inputs import Columns, Inputs
 from pvlib_fem._record.ranges import RANGES, Range, range_of
 from pvlib_fem._spelling import UNCHECKED, ShellText, refusal, spelled
 from pvlib_fem.quality._hours import side_of
-from pvlib_fem.quality._interpolated import between
-from pvlib_fem.quality._lag import Lag, lag, retimed
+from pvlib_fem.quality._interpolated import interpolated_columns
+from pvlib_fem.quality._lag import Lag, coarse_lag, retimed
 from pvlib_fem.quality._limits import (
     EFFICIENCY,
     GAIN,
@@ -277,7 +277,7 @@ class Signs:
 KNOWN = WeakKeyDictionary()
 
 
-def signs(inputs: Inputs) -> Signs:
+def record_signs(inputs: Inputs) -> Signs:
     """The signs of a record, or None where it is too short or dark for any."""
     if inputs not in KNOWN:
         KNOWN[inputs] = signs_of(inputs)
@@ -376,7 +376,7 @@ def refuse_units(
     ValueError
         If a column is a copy, its unit is uncertain, or a clock is off by hours.
     """
-    odd, off = suspected(inputs, signs(inputs), limits or Limits())
+    odd, off = suspected(inputs, record_signs(inputs), limits or Limits())
     if odd or (off and not late):
         raise (odd or of_hours(off)).error()
 
@@ -388,7 +388,7 @@ def suspected(inputs: Inputs, evidence: Signs | None, limits: Limits) -> tuple:
     if (off := module_lag(inputs, limits)) is None:
         return odd, None
     retimed_inputs = in_step(inputs, off)
-    evidence = signs(retimed_inputs)
+    evidence = record_signs(retimed_inputs)
     return evidence and suspicion(retimed_inputs, evidence, limits), off
 
 
@@ -422,7 +422,7 @@ def module_lag(inputs: Any, limits: Any) -> Lag | None:
         None where the clock is right, or cannot be checked.
     """
     columns = (inputs[name] for name in ("poa_global", "temp_air", "temp_module"))
-    lateness = lag(*[inputs.seconds, *columns, limits])
+    lateness = coarse_lag(*[inputs.seconds, *columns, limits])
     return lateness if lateness and lateness.late else None
 
 
@@ -446,7 +446,7 @@ def in_step(inputs: Inputs, off: Lag) -> Inputs:
     return inputs.having({"temp_module": module})
 
 
-def same(one: np.ndarray, other: np.ndarray) -> bool:
+def is_copy(one: np.ndarray, other: np.ndarray) -> bool:
     """Whether two columns are copies of each other, as far as both are there."""
     for some in (slice(FEW), slice(None)):  # of most records a few rows tell
         both = np.isfinite(one[some]) & np.isfinite(other[some])
@@ -464,7 +464,7 @@ def suspicion(inputs: Inputs, evidence: Signs, limits: Limits) -> UnitDoubt | No
         evidence.hot,
     )
     air, module = inputs["temp_air"], inputs["temp_module"]
-    if same(air, module):
+    if is_copy(air, module):
         return UnitDoubt(
             "temp_module is a copy of temp_air, row by row",
             "Name the column of the module's own sensor",
@@ -639,8 +639,8 @@ def oddities(
     str
         A sentence each.
     """
-    yield from between(inputs)
-    limits, evidence = limits or Limits(), signs(inputs)
+    yield from interpolated_columns(inputs)
+    limits, evidence = limits or Limits(), record_signs(inputs)
     if evidence is None:
         return
     odd, off = suspected(inputs, evidence, limits)

@@ -8,7 +8,7 @@ from pvlib.location import Location
 
 from pvlib_fem import close_loop, datasets, ewm, fit_fem, simulator
 from pvlib_fem._record.inputs import as_record
-from pvlib_fem.quality._lag import lag
+from pvlib_fem.quality._lag import coarse_lag
 from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._module_lag import clock_shift
 from pvlib_fem.quality._onset import DAY
@@ -233,7 +233,7 @@ def rows_of(data, step, held="means"):
 def lag_of(data):
     columns = (data[n].to_numpy() for n in ("poa_global", "temp_air", "temp_module"))
     seconds = (data.index - data.index[0]).total_seconds().to_numpy()
-    return lag(seconds, *columns, Limits())
+    return coarse_lag(seconds, *columns, Limits())
 
 
 @pytest.fixture(scope="module")

@@ -28,7 +28,7 @@ from pvlib_fem._cli import (
 from pvlib_fem._cli.headings import ORDER
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.logger_files import read_file
-from pvlib_fem._spelling import alike, did_you_mean
+from pvlib_fem._spelling import did_you_mean, similar_names
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +89,7 @@ def test_each_option_stands_once_under_a_heading(name):
     ],
 )
 def test_names_that_a_word_may_stand_for(word, known, found):
-    assert alike(word, known) == found
+    assert similar_names(word, known) == found
     assert bool(did_you_mean(word, known)) == bool(found)
 
 

@@ -22,7 +22,7 @@ from pvlib_fem._loop.references import (
     usual,
 )
 from pvlib_fem._record.column_names import COLUMNS, is_cross_check, is_power, twin_of
-from pvlib_fem._stored import Stored, plain
+from pvlib_fem._stored import Stored, as_json
 
 
 def with_power(data, step, **more):
@@ -112,7 +112,7 @@ def test_a_second_sensor_names_the_first(
 def test_a_finding_keeps_its_cross_checks_in_a_file(half_a_year):  # noqa: F811
     data, _ = with_change(half_a_year, "mounting_step")
     first = closed(with_power(data, 0.0)).finding_objects[0]
-    content = plain(first)
+    content = as_json(first)
     assert (
         Stored(content, "loop.json").whole(Finding).cross_checks == first.cross_checks
     )

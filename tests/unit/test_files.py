@@ -19,7 +19,7 @@ from pvlib_fem._record.guess import guess
 from pvlib_fem._record.header_units import (
     QUANTITIES,
     UNITS,
-    converted,
+    converted_column,
     named_unit,
     own_unit,
     unit_of,
@@ -278,17 +278,17 @@ def test_every_unit_has_a_spelling_and_its_own_is_left_as_it_is():
     for name, quantity in QUANTITIES.items():
         for unit in UNITS[quantity]:
             assert unit_of(name, unit) == unit_of(name, unit.upper()) == unit
-        assert converted(column, name, own_unit(name)) is column
+        assert converted_column(column, name, own_unit(name)) is column
 
 
 def test_amounts_of_rain_and_power_of_a_plant_need_what_they_are_of():
-    rain = converted(pd.Series([0.2]), "precipitation", "mm", hours=1 / 6)
+    rain = converted_column(pd.Series([0.2]), "precipitation", "mm", hours=1 / 6)
     assert rain[0] == pytest.approx(1.2)  # mm/h: 0.2 mm in ten minutes
     for unit, size in {"W": 24e3, "kW": 24.0, "MW": 0.024}.items():
-        power = converted(pd.Series([size]), "p_dc_per_area", unit, area=120.0)
+        power = converted_column(pd.Series([size]), "p_dc_per_area", unit, area=120.0)
         assert power[0] == pytest.approx(200.0)
     with pytest.raises(ValueError, match="area of the modules"):
-        converted(pd.Series([24.0]), "p_dc_per_area", "kW")
+        converted_column(pd.Series([24.0]), "p_dc_per_area", "kW")
     with pytest.raises(ValueError, match=r"cannot be in 'furlong'; it may be in m/s"):
         unit_of("wind_speed", "furlong")
 

@@ -22,9 +22,9 @@ from pvlib_fem._findings import (
     in_percent,
 )
 from pvlib_fem._loop.conclude import member_of
-from pvlib_fem._stored import plain
+from pvlib_fem._stored import as_json
 from pvlib_fem.effects import find
-from pvlib_fem.reasons import Reason, because, together
+from pvlib_fem.reasons import Reason, because, joined_reasons
 
 PACKAGE = Path(pvlib_fem.__file__).parent
 
@@ -58,7 +58,7 @@ def test_the_first_failure_is_the_rule_that_decided():
         "FAILED",
         "FAILED",
     ]
-    content = plain(finding)
+    content = as_json(finding)
     assert [check["passed"] for check in content["checks"]] == [True, False, False]
     assert content["because"] == [
         {"reason": "NOT_MATERIAL", "least": 1.0, "words": finding.why}
@@ -70,7 +70,7 @@ def test_names_are_joined_as_their_sentence_has_it():
     assert str(some) == "a look; or a camera would decide"
     lacks = because(Reason.LACKS, columns=["precipitation", "snow_depth"])
     assert str(lacks) == "no precipitation, snow_depth"
-    both = together([because(Reason.EMPTY, column="x"), lacks])
+    both = joined_reasons([because(Reason.EMPTY, column="x"), lacks])
     assert str(both) == "x holds no value; no precipitation, snow_depth"
     assert [one.reason for one in both.all] == [Reason.EMPTY, Reason.LACKS]
 

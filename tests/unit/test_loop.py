@@ -20,7 +20,7 @@ from pvlib_fem._loop.correct_clock import module_clock
 from pvlib_fem._loop.prepare import prepared
 from pvlib_fem._loop.refits import Fits
 from pvlib_fem._record.resampling import coarse
-from pvlib_fem._stored import plain
+from pvlib_fem._stored import as_json
 from pvlib_fem._thermal.steady_models import steady_model
 from pvlib_fem.effects import PHYSICS as EFFECTS
 from pvlib_fem.reasons import Reason
@@ -407,7 +407,7 @@ def test_shade_is_found_in_its_window_and_on_its_side(switch, share, snowy):
 
 def contents_of(loop):
     """All that a loop says but the errors of the test weeks."""
-    findings = plain(loop.finding_objects)
+    findings = as_json(loop.finding_objects)
     return json.dumps([findings, loop.fit.coefficients, loop.fit.stderr, loop.base])
 
 

@@ -16,7 +16,7 @@ from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.filters import counted
 from pvlib_fem._record.inputs import as_record
 from pvlib_fem._record.resampling import coarse
-from pvlib_fem._stored import plain
+from pvlib_fem._stored import as_json
 from pvlib_fem._thermal.model import thermal_model
 from pvlib_fem.quality._screen import screened
 
@@ -88,7 +88,7 @@ def test_a_fit_of_files_is_that_in_memory(data, folder, case):
     pd.testing.assert_frame_equal(fit.scores, expected.scores, rtol=1e-5, atol=1e-5)
     assert fit.notes == expected.notes
     # in memory the record also has derived columns
-    contents = [plain(one.summary) | {"columns": ""} for one in (fit, expected)]
+    contents = [as_json(one.summary) | {"columns": ""} for one in (fit, expected)]
     assert contents[0] == contents[1]
     assert fit.summary.measured == expected.summary.measured
     assert (fit.train_days, fit.test_days) == (expected.train_days, expected.test_days)

@@ -11,7 +11,7 @@ from pvlib_fem import datasets
 from pvlib_fem._findings import Finding, Verdict
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._report.formatting import spanned
-from pvlib_fem._stored import Stored, plain
+from pvlib_fem._stored import Stored, as_json
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
 from pvlib_fem.effects import EFFECTS, find
@@ -86,7 +86,7 @@ def _written(loop, folder):
 
 @pytest.mark.parametrize("ends", [[1.0], [1.0, "x"], [1.0, None], [1.0, True], 2.0])
 def test_a_range_that_is_none_is_refused(loop, ends):
-    content = plain(first(loop)[0])
+    content = as_json(first(loop)[0])
     assert Stored(content, "x").whole(Finding).verdict is Verdict.IDENTIFIED
     content["ranges"]["sky_radiation.share"] = ends
     with pytest.raises(ValueError, match=r"ranges\.sky_radiation\.share"):

@@ -23,7 +23,7 @@ from pvlib_fem._recovery.draw import Injection
 from pvlib_fem._recovery.judge import Outcome
 from pvlib_fem._recovery.trial import Trial
 from pvlib_fem._renamed_effects import in_new_names
-from pvlib_fem._stored import Stored, plain
+from pvlib_fem._stored import Stored, as_json
 from pvlib_fem.effects import CHANGES, find
 from pvlib_fem.fleet._systems_table import opened_table, systems_of
 from pvlib_fem.quality import Limits
@@ -248,7 +248,7 @@ def test_cross_checks_have_their_old_names_until_the_next_release(finding):
 
 
 def test_cross_checks_of_an_old_file_are_read(finding):
-    content = plain(finding)
+    content = as_json(finding)
     assert Stored(content, "new.json").whole(Finding) == finding
     checks = content.pop("cross_checks")
     old = [{**one, "opinion": one["outcome"]} for one in checks]
@@ -284,12 +284,12 @@ def test_outcomes_and_trials_have_their_old_names_until_the_next_release():
         (outcome, {"identified": "named", "reported": "told"}),
         (trial, {"identified": "named", "ambiguous": "classes"}),
     ):
-        content = plain(one)
+        content = as_json(one)
         old = {names.get(key, key): value for key, value in content.items()}
         assert {*names.values()} <= {*old}
         with pytest.warns(FutureWarning, match="is called"):
             again = Stored(old, "old.json").whole(type(one))
-        assert plain(again) == content
+        assert as_json(again) == content
 
 
 @pytest.mark.parametrize(
@@ -308,7 +308,7 @@ def test_thresholds_have_their_old_names_until_the_next_release(kind, old, new, 
         assert getattr(given, old) == value
     with pytest.raises(TypeError, match="give one of them"):
         kind(**{old: value, new: value})
-    content = plain(given)
+    content = as_json(given)
     content[old] = content.pop(new)
     with pytest.warns(FutureWarning, match=rf"{old} is called {new}"):
         assert Stored(content, "old.json").whole(kind) == given

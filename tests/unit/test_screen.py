@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
-from pvlib_fem._record.ranges import CODES, possible
+from pvlib_fem._record.ranges import CODES, possible_range
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
 from pvlib_fem.quality._limits import Limits
 from pvlib_fem.simulator import ALBUQUERQUE, PHYSICS, RHINE
@@ -186,7 +186,7 @@ def test_the_loop_and_the_ranking_screen_their_drivers():
     "column", [*COLUMNS, "relative_humidity", "p_dc_per_area", "snow_depth"]
 )
 def test_what_no_sensor_can_measure_is_out_of_range(record, column):
-    low, high, _ = possible(column)
+    low, high, _ = possible_range(column)
     for value in (low - 1.0, high + 1.0):
         found = fem.screen_record(with_values(record, column, [3, 10], value))
         assert kinds(found) == [(column, "out of range", 2)]

@@ -18,7 +18,7 @@ from pvlib_fem._converter import AnyFloat
 from pvlib_fem._findings import Finding, Kind
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._stored import Stored, opened, saved, written
-from pvlib_fem.reasons import Because, Reason, because, together
+from pvlib_fem.reasons import Because, Reason, because, joined_reasons
 
 SITE = simulator.RHINE
 PLACE = dict(
@@ -369,7 +369,7 @@ def test_the_converter_is_imported_when_a_file_is_written():
 
 
 def test_reasons_come_back_typed():
-    why = together(
+    why = joined_reasons(
         [
             because(Reason.LACKS, columns=["a", "b"]),
             because(Reason.DETECTABLE, gain=float("inf")),
