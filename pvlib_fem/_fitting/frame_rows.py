@@ -144,7 +144,7 @@ def as_frame(
     """
     record, faults = screened(as_record(*columns, **drivers), limits, check_units)
     counts = counted(record.inputs.columns, night)
-    counts &= record.known(target.drivers)
+    counts &= record.complete_rows(target.drivers)
     notes = [*faults.notes, *oddities(record.inputs, limits, record.absent)]
     out = held_out(record, counts, holdout, notes)
     return Frame.of(record, counts, out, night), notes

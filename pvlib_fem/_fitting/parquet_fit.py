@@ -285,7 +285,7 @@ class InFiles:
         """Start of each step's search: the minimum on means, or the default start."""
         means, out = self.files.means, np.isin(self.files.means.dates, self.files.out)
         rows = np.array(counted(means.inputs.columns, self.night))
-        rows &= means.known(target.drivers)
+        rows &= means.complete_rows(target.drivers)
         try:
             stages = stages_of(Frame.of(means, rows, out, self.night), target)[1]
         except ValueError:  # too few means count, but rows may be enough

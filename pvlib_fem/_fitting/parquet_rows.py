@@ -54,7 +54,7 @@ class Files(Source):
     def summary(self) -> "FileSummary":
         """Size, times and gaps of the record."""
         look, source = self.screened.look, self.clean.source
-        first, last = map(source.at, look.ends)
+        first, last = map(source.time_at, look.ends)
         names = tuple(n for n in self.clean.names if n not in source.absent)
         missing, faults = self.screened.missing, self.screened.impossible
         summary = FileSummary(

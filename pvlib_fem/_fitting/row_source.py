@@ -338,7 +338,7 @@ class Rows(Source):
         counts = self.counts[some]
         if 2 * EVERY * np.count_nonzero(counts) < self.count:
             return None
-        inputs = self.record.inputs.taken(some)
+        inputs = self.record.inputs.at_rows(some)
         return Rows(replace(self.record, inputs=inputs), counts)
 
     def in_blocks(self, size: int) -> list:

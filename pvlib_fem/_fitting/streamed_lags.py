@@ -77,7 +77,7 @@ def with_a_past(inputs: Inputs, drivers: list) -> Iterator:
         yield StreamedColumns(tuple(short), tuple(behind(short)), completed, reach)
     if long := of_means(drivers):
         made_of = {name: lost_without(name) for name in long}
-        yield JoinedColumns.of(completed(inputs, long), long, made_of)
+        yield JoinedColumns.from_inputs(completed(inputs, long), long, made_of)
 
 
 def of_means(drivers: list) -> list:

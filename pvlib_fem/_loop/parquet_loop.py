@@ -155,7 +155,7 @@ class OwnSteps:
             names.append(ROTATION)
         record = replace(screened.record, names=tuple(n for n in names if n in own))
         if missing:  # the sun, whose place is known at the times of the means
-            record = record.with_columns(JoinedColumns.of(inputs, missing))
+            record = record.with_columns(JoinedColumns.from_inputs(inputs, missing))
         if {*turning.columns} & {*names}:
             record = record.with_columns(turning)
         files = first_pass(replace(screened, record=record), target, night=True)

@@ -323,7 +323,7 @@ def rank_effects(
     record = with_columns(record.only([*USUAL, *drivers]), sun)
     refuse_missing(fit.effects, record.inputs.columns, refused)
     seen = counted(record.inputs.columns, fit.night)
-    seen &= record.known(model.drivers)
+    seen &= record.complete_rows(model.drivers)
     rows = {name: {"note": str(why)} for name, why in notes.items()}
     days = len(np.unique(record.dates[seen]))
     if days < FOLDS:

@@ -131,7 +131,7 @@ class Fits:
         table = {name: row.start for name, row in model.parameters.items()}
         at = {**table, **(before.coarse if before else {})}
         record, tabled = self.prepared(case.record, model)
-        rows = case.searched & record.known(model.drivers)
+        rows = case.searched & record.complete_rows(model.drivers)
         # a tangent may lead where there is no temperature
         tried = tabled.temperature(record.inputs, natural(model, {**at, **start})[0])
         if np.isfinite(tried[rows]).all():
@@ -144,7 +144,7 @@ class Fits:
                 at = {n: v + change.get(n, 0.0) for n, v in at.items()}
             record, tabled = self.prepared(case.whole, model)
             if whole:
-                rows = case.fitting & record.known(model.drivers)
+                rows = case.fitting & record.complete_rows(model.drivers)
                 source = Rows(record, rows)
                 minimum, at = minimise(tabled, source, at, biased, CLOSE)
         names = model.free[: len(minimum.x)]
@@ -156,7 +156,7 @@ class Fits:
             daily = daily_sums(tabled, coefficients, source, bound, temperature)
         else:
             temperature = tabled.temperature(record.inputs, coefficients)
-        known = record.known(model.drivers)
+        known = record.complete_rows(model.drivers)
         return Step(
             model,
             coefficients,
@@ -202,7 +202,7 @@ class Fits:
         counts : array of bool, shape (rows,)
         """
         record, tabled = self.prepared(record, step.model)
-        rows = counts & record.known(step.model.drivers)
+        rows = counts & record.complete_rows(step.model.drivers)
         return daily_sums(tabled, coefficients, Rows(record, rows), step.at_bound)
 
     def prepared(
@@ -244,7 +244,7 @@ class Fits:
             step.model,
             step.coefficients,
             record,
-            case.searched & record.known(step.model.drivers),
+            case.searched & record.complete_rows(step.model.drivers),
             candidates,
             step.at_bound,
             case.criteria.min_hint_reduction,

@@ -166,7 +166,7 @@ def gather(
     scanned: list[tuple[Scan, Effect, dict[str, np.ndarray], np.ndarray]] = []
     changing: list[tuple[Effect, str]] = []
     for one, own in tangents(tried, failed, inputs, at):
-        known = record.known(needed_for(one.wide.drivers))[rows]
+        known = record.complete_rows(needed_for(one.wide.drivers))[rows]
         if not all(are_numbers(column, known) for column in own.values()):
             failed |= {name: because(Reason.NOT_A_NUMBER) for name in one.names}
         elif one.scan:
@@ -326,7 +326,7 @@ class Tangents:
         reach = FADED * model.longest(inputs, coefficients)
         read = remembered(rows, inputs.seconds, reach)
         names = (*COLUMNS[:3], *model.drivers)
-        inputs = inputs.only(names).taken(read)
+        inputs = inputs.only(names).at_rows(read)
         places = np.searchsorted(read, rows)
         return cls(model.on(read), inputs, coefficients, read, places)
 

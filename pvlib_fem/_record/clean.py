@@ -54,7 +54,7 @@ class FrameRecord:
         """Times as counts of the index's unit since 1970."""
         return instants(self.inputs.index).view("i8")
 
-    def at(self, count: int) -> pd.Timestamp:
+    def time_at(self, count: int) -> pd.Timestamp:
         """The time of such a count."""
         return self.index(np.array([count]))[0]
 
@@ -72,7 +72,7 @@ class FrameRecord:
             counts = self.counts[some]
             before = self.counts[max(start - 1, 0)]
             steps = np.diff(counts, prepend=before)
-            part = Inputs(columns.taken(some), steps, unit, whole[some], True)
+            part = Inputs(columns.at_rows(some), steps, unit, whole[some], True)
             yield Block(part, start, "")
 
     def values(self, names: Any) -> Iterator:

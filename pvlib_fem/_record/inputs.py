@@ -93,7 +93,7 @@ class Columns(Mapping):
         """Some of them, in that order."""
         return Columns({name: self.given[name] for name in names})
 
-    def taken(self, rows: Any) -> "Columns":
+    def at_rows(self, rows: Any) -> "Columns":
         """Some rows of each."""
         return Columns({name: values[rows] for name, values in self.given.items()})
 
@@ -131,15 +131,15 @@ class Inputs:
         return self.columns[name]
 
     @cached_property
-    def known(self) -> dict:
+    def cache(self) -> dict:
         """What was found of the columns, by what it is, so that it is found once."""
         return {}
 
     def mean(self, name: str) -> float:
         """Mean of what there is of a column."""
-        if name not in self.known:
-            self.known[name] = float(np.nanmean(self[name]))
-        return self.known[name]
+        if name not in self.cache:
+            self.cache[name] = float(np.nanmean(self[name]))
+        return self.cache[name]
 
     @property
     def step(self) -> Any:
@@ -162,7 +162,7 @@ class Inputs:
         steps = self.steps if np.ndim(self.steps) == 0 else self.steps[rows]
         return self.by_steps(rows, steps)
 
-    def taken(self, rows: np.ndarray) -> "Inputs":
+    def at_rows(self, rows: np.ndarray) -> "Inputs":
         """The inputs of some rows, each as long after the one before as it was."""
         if np.ndim(self.steps) == 0:
             steps = self.steps * np.diff(rows, prepend=rows[0] - 1)
@@ -172,7 +172,7 @@ class Inputs:
 
     def by_steps(self, rows: np.ndarray, steps: float | np.ndarray) -> "Inputs":
         """The inputs of some rows, with the time between them."""
-        columns = self.columns.taken(rows)
+        columns = self.columns.at_rows(rows)
         return Inputs(columns, steps, self.unit, self.index[rows], self.is_series)
 
     def only(self, names: Sequence) -> Any:
@@ -307,16 +307,16 @@ class Record:
         columns = self.inputs.columns.put(value, rows)
         return replace(self, inputs=replace(self.inputs, columns=columns))
 
-    def known(self, names: list) -> np.ndarray:
+    def complete_rows(self, names: list) -> np.ndarray:
         """Rows that have all of some columns."""
         key = "rows", *names
-        if key not in self.inputs.known:
+        if key not in self.inputs.cache:
             rows = np.ones(len(self.index), dtype=bool)
             for name in names:
                 rows &= known_values(name, self[name], self["poa_global"])
             rows.flags.writeable = False  # it is the same for all who ask
-            self.inputs.known[key] = rows
-        return self.inputs.known[key]
+            self.inputs.cache[key] = rows
+        return self.inputs.cache[key]
 
     def rows(self, holdout: pd.Series) -> np.ndarray:
         """Boolean array of a user's choice of rows."""

@@ -34,7 +34,9 @@ class JoinedColumns:
     made_of: dict = field(default_factory=dict, repr=False)
 
     @classmethod
-    def of(cls, inputs: Inputs, names: list, made_of: dict | None = None) -> Any:
+    def from_inputs(
+        cls, inputs: Inputs, names: list, made_of: dict | None = None
+    ) -> Any:
         """
         The columns of some inputs.
 

@@ -152,7 +152,7 @@ class ParquetRecord:
             f"{last}; {', '.join(self.columns)}"
         )
 
-    def at(self, count: int) -> pd.Timestamp:
+    def time_at(self, count: int) -> pd.Timestamp:
         """The time of a count of the unit since 1970, in the record's zone."""
         return self.index(np.array([count]))[0]
 

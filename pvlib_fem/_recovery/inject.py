@@ -95,7 +95,9 @@ class Injector:
         change = np.nan_to_num(with_it - without)
         if self.clock.fault:
             seconds = record.inputs.seconds
-            change = np.nan_to_num(retimed(seconds, change, -self.clock.at(seconds)))
+            change = np.nan_to_num(
+                retimed(seconds, change, -self.clock.late_at(seconds))
+            )
         return change
 
     def into(self, data: pd.DataFrame, injection: Injection) -> pd.DataFrame:

@@ -65,7 +65,7 @@ def of_module(rows: Rows, correction: Correction) -> Picture | None:
     seconds = (days - record.index[0].tz_localize(None)).total_seconds()
     late = np.zeros(len(days))
     if (times := rows.loop.times) is not None:
-        late = times.module.at(np.asarray(seconds)) / 60.0
+        late = times.module.late_at(np.asarray(seconds)) / 60.0
     series = written(rows, correction, days, minutes, -late)
     caption = (
         "Middle of each day's temperature rise of the module minus that of its "

@@ -63,7 +63,7 @@ def shifted(loop: "Loop", correction: Correction) -> int | None:
     if record is None or times is None:
         return None
     if correction.columns != ("all",):
-        late = times.module.at(record.inputs.seconds)
+        late = times.module.late_at(record.inputs.seconds)
         return int(np.count_nonzero(late[np.isfinite(record["temp_module"])]))
     index = record.index.tz_localize(None)
     added = np.zeros(len(index))

@@ -212,7 +212,7 @@ def clocks(loop: "Loop", record: Record, gamma: float) -> dict[str, float]:
         return changes
     light = kilowatt_hours(record.inputs)
     seconds, module = record.inputs.seconds, record["temp_module"]
-    written = retimed(seconds, module, -loop.times.module.at(seconds))
+    written = retimed(seconds, module, -loop.times.module.late_at(seconds))
     for one in loop.corrections:
         if one.applied and one.columns == ("temp_module",):
             change = light * gamma * (written - module)

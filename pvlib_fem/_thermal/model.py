@@ -392,10 +392,10 @@ class ThermalModel:
     def past(self, inputs: Any) -> Past:
         """The state before the first row of a record."""
         names = (*COLUMNS[:3], *self.drivers)
-        if names not in inputs.known:
+        if names not in inputs.cache:
             columns = [*inputs.columns.only(names).given.values()]
-            inputs.known[names] = usual_step(columns, inputs.steps)
-        return Past(inputs.known[names])
+            inputs.cache[names] = usual_step(columns, inputs.steps)
+        return Past(inputs.cache[names])
 
     def answer(
         self,

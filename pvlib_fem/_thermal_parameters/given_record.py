@@ -150,7 +150,7 @@ def measured_of(
         record, _ = screened(as_record(*usual, **drivers))
         out = None
     counts = counted(record.inputs.columns, fit.night)
-    counts = counts & record.known(model.drivers)
+    counts = counts & record.complete_rows(model.drivers)
     if out is None:
         out = out_of(record, counts, holdout)
     return Measured(fit, record, counts, out)

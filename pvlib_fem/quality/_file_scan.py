@@ -180,7 +180,7 @@ class Look:
     days: set = field(default_factory=set)
 
     @classmethod
-    def of(cls, clean: CleanRecord, limits: Limits) -> Any:
+    def from_record(cls, clean: CleanRecord, limits: Limits) -> Any:
         """What a pass over a record shows."""
         look = None
         for block in clean.blocks():
@@ -214,7 +214,7 @@ class Look:
     def refuse_gaps(self, limits: Limits, source: ParquetRecord) -> None:
         """Refuse rows that are years from all others."""
         for row, *ends in self.gaps:
-            start, before, after = map(source.at, (self.ends[0], *ends))
+            start, before, after = map(source.time_at, (self.ends[0], *ends))
             refuse_gap(row, self.rows, start, before, after, limits)
 
     def sampled(self, clean: CleanRecord) -> Inputs:

@@ -187,10 +187,12 @@ class Products:
         self.count, self.length, self.reach = count, length, count // 2
         self.cross = {}  # by the lag
         self.seen = self.by_day(module, module).astype(bool)
-        self.own = np.array([self.whole(poa, poa, j) for j in range(length)])
-        self.of_air = np.array([self.whole(poa, air, j) for j in range(length)])
+        self.own = np.array([self.lagged_product(poa, poa, j) for j in range(length)])
+        self.of_air = np.array(
+            [self.lagged_product(poa, air, j) for j in range(length)]
+        )
 
-    def part(self, first: int, end: int) -> "Products":
+    def products_of_days(self, first: int, end: int) -> "Products":
         """The products of some days."""
         rows = slice(first * self.count, end * self.count)
         columns = (self.poa[rows], self.air[rows], self.module[rows])
@@ -201,7 +203,7 @@ class Products:
         """Whether irradiance changes, and the module on more than one day."""
         return self.seen.sum() > 1 and self.own[0] > 0
 
-    def whole(self, one: np.ndarray, other: np.ndarray, lag: int) -> float:
+    def lagged_product(self, one: np.ndarray, other: np.ndarray, lag: int) -> float:
         """One with the other so many rows later, in all."""
         end = len(one)
         if lag < 0:
@@ -211,7 +213,7 @@ class Products:
     def later(self, lag: int) -> float:
         """Irradiance with the module so many rows later, once for all its answers."""
         if lag not in self.cross:
-            self.cross[lag] = self.whole(self.poa, self.module, lag)
+            self.cross[lag] = self.lagged_product(self.poa, self.module, lag)
         return self.cross[lag]
 
     def by_day(self, one: np.ndarray, other: np.ndarray, lag: int = 0) -> Any:
@@ -221,11 +223,11 @@ class Products:
         later[max(-lag, 0) : end - max(lag, 0)] = other[max(lag, 0) : end + min(lag, 0)]
         return (one * later).reshape(-1, self.count).sum(axis=1)
 
-    def at(self, lag: int) -> tuple[np.ndarray, float]:
+    def response_products(self, lag: int) -> tuple[np.ndarray, float]:
         """Products of the response after a lag: with irradiance, and with itself."""
         products = np.array([self.later(j) for j in range(lag, lag + self.length)])
         square = self.module @ self.module + self.air @ self.air
-        square -= 2 * self.whole(self.air, self.module, lag)
+        square -= 2 * self.lagged_product(self.air, self.module, lag)
         return products - self.of_air, square
 
     def residual(self, lag: int, answer: np.ndarray) -> np.ndarray:
@@ -252,7 +254,7 @@ def weighed_lag(sums: Products, step: float, limits: Limits) -> Lag:
 
     def answer(lag: int) -> tuple[np.ndarray, float]:
         """The response that begins at a lag, and its residual."""
-        target, square = sums.at(lag)
+        target, square = sums.response_products(lag)
         right = np.linalg.solve(root, shapes.T @ target)
         weights, rest = nnls(root.T, right)
         return shapes @ weights, square + rest**2 - right @ right
@@ -292,7 +294,7 @@ def hours_by_days(sums: Products, overall: Lag, limits: Limits) -> list:
     parts = np.linspace(0, days, max(2, round(days / (2 * limits.max_block_days)) + 1))
     runs = []
     for first, end in pairwise(parts.astype(int)):
-        part = sums.part(first, end)
+        part = sums.products_of_days(first, end)
         one = weighed_lag(part, overall.step, limits) if part.informative else None
         if (
             one is None
@@ -308,7 +310,7 @@ def hours_by_days(sums: Products, overall: Lag, limits: Limits) -> list:
     for one, other in pairwise(runs):
         if (lag := other[0][0]) != hours[-1][1]:
             first, end = one[-1][1], other[0][2]
-            part = sums.part(first, end)
+            part = sums.products_of_days(first, end)
             gain = part.residual(hours[-1][1], overall.answer) - part.residual(
                 lag, overall.answer
             )

@@ -58,7 +58,7 @@ class Clock:
     def fault(self) -> bool:
         return bool(self.faults)
 
-    def at(self, seconds: np.ndarray) -> np.ndarray:
+    def late_at(self, seconds: np.ndarray) -> np.ndarray:
         """How late the clock is, of what its faults say; 0 if it has none. [s]"""
         late = np.zeros(len(seconds))
         if {"clock_shift", "clock_drift"} & set(self.faults):
@@ -87,7 +87,7 @@ class Clock:
         values = np.asarray(values, dtype=float)
         if not self.fault:
             return values.copy()
-        return retimed(seconds, values, self.at(seconds))
+        return retimed(seconds, values, self.late_at(seconds))
 
 
 def clock_shift(

@@ -77,7 +77,7 @@ def screened_blocks(
     """
     clean = CleanRecord(source, (*COLUMNS, *drivers))
     needed = clean.names if needed is None else needed
-    screening = Screener.of(clean, limits or Limits())
+    screening = Screener.from_record(clean, limits or Limits())
     limits = screening.limits
     screening.look.refuse_gaps(limits, source)
     missing = screening.refuse_nothing(needed)

@@ -226,7 +226,7 @@ def clear_days(
         return None
     rows = np.flatnonzero(light & np.isin(there, days))
     of_rows = (column[rows] for column in (poa, zenith, azimuth, there))
-    return rows, Sky.of(*[*of_rows, location])
+    return rows, Sky.from_rows(*[*of_rows, location])
 
 
 def angle_differences(angles: np.ndarray) -> np.ndarray:
@@ -281,7 +281,7 @@ class Sky:
     scale: np.ndarray  # number of each row's scale
 
     @classmethod
-    def of(
+    def from_rows(
         cls,
         poa: np.ndarray,
         zenith: np.ndarray,

@@ -168,7 +168,7 @@ def by_columns(
 def screener(record: Record, limits: Limits, names: tuple | None = None) -> Screener:
     """The screening of a record in memory, before any rule."""
     clean = CleanRecord(FrameRecord(record.inputs), tuple(record.inputs.columns))
-    return Screener.of(clean, limits, names)
+    return Screener.from_record(clean, limits, names)
 
 
 def less(record: Record, screening: Screener, clipped: int) -> tuple[Record, Faults]:

@@ -116,11 +116,11 @@ class Screener:
     first: dict = field(default_factory=dict)  # time and value of the first of them
 
     @classmethod
-    def of(
+    def from_record(
         cls, clean: CleanRecord, limits: Limits, tested: tuple | None = None
     ) -> "Screener":
         """The screening of a record, before any rule; of some columns or of all."""
-        look = Look.of(clean, limits)
+        look = Look.from_record(clean, limits)
         return cls(clean, limits, clean.names if tested is None else tested, look)
 
     def rules(self) -> int:
@@ -172,7 +172,7 @@ class Screener:
         """Take rows of one kind out of a column, with what is said of the first."""
         if len(rows):
             at = int(np.argmin(rows))
-            time = self.clean.source.at(times[at])
+            time = self.clean.source.time_at(times[at])
             self.take(kind, name, spans(np.sort(rows)), time, values[at])
 
     def take(
@@ -187,11 +187,11 @@ class Screener:
 
     def look_again(self) -> None:
         """The look at the remaining values, if a rule removed some that others see."""
-        self.look = Look.of(self.clean, self.limits)
+        self.look = Look.from_record(self.clean, self.limits)
 
     def refuse_nothing(self, needed: tuple) -> dict:
         """Refuse a column without a value."""
-        at, rows = self.clean.source.at, self.look.rows
+        at, rows = self.clean.source.time_at, self.look.rows
         missing = {name: one.missing for name, one in self.look.columns.items()}
         if empty := [name for name in needed if missing[name] == rows]:
             first, last = map(at, self.look.ends)
@@ -335,14 +335,14 @@ class Screener:
             still.pop("wind_speed", None)
         whole = [n for n in still if n in POSSIBLE and columns[n].never_moves]
         if whole and refuse:
-            first, last = map(clean.source.at, self.look.ends)
+            first, last = map(clean.source.time_at, self.look.ends)
             values = {name: max(columns[name].low, 0.0) for name in whole}
             lines = [standing_line(n, v, first, last) for n, v in values.items()]
             raise frozen_error(whole[0], lines)
         for name, rows in still.items():
             one = runs[name]
             at = int(np.flatnonzero(one.first == rows[0, 0])[0])
-            time = clean.source.at(one.begin[at])
+            time = clean.source.time_at(one.begin[at])
             self.take("stuck", name, rows, time, one.value[at])
         wind, rest = sample["wind_speed"], rests["wind_speed"]
         usual = self.look.step * self.look.every
@@ -417,7 +417,7 @@ def stuck_rows(record: Record, limits: Limits | None = None) -> dict[str, np.nda
     columns = record.inputs.columns
     names = [*POSSIBLE, *(n for n in DRIVERS if n in columns and n not in POSSIBLE)]
     clean = CleanRecord(FrameRecord(record.inputs), tuple(names))
-    screening = Screener.of(clean, limits or Limits())
+    screening = Screener.from_record(clean, limits or Limits())
     screening.standing(refuse=False)
     still = screening.masks().get("stuck", {})
     still = {name: rows for name, rows in still.items() if name not in record.absent}

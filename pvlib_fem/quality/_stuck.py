@@ -302,7 +302,9 @@ def frozen(clean: CleanRecord, standing: dict, rests: dict, limits: Limits) -> d
     seen = {n: standing[n].some(too_long(standing[n], limits)) for n in STILL}
     spans, untested = {}, [name for name in STILL if len(seen[name].first)]
     while untested:
-        extents = Extents.of(clean, {name: seen[name] for name in untested}, limits)
+        extents = Extents.from_record(
+            clean, {name: seen[name] for name in untested}, limits
+        )
         for name in list(untested):
             runs, extent = seen[name], extents.taker(name)
             kept = STILL[name](runs, extent, extents.steps, limits)
@@ -333,7 +335,9 @@ class Extents:
     since: float = 0.0
 
     @classmethod
-    def of(cls, clean: CleanRecord, standing: dict, limits: Limits) -> "Extents":
+    def from_record(
+        cls, clean: CleanRecord, standing: dict, limits: Limits
+    ) -> "Extents":
         """The extents over a record, from one pass."""
         steps = dict.fromkeys(("temp_air", "temp_module"), np.inf)
         extents = cls(standing, limits, steps)

@@ -126,7 +126,7 @@ def standing_of(
     if not len(rows):
         return ()
     days = np.unique(dates[rows])
-    sky = Sky.of(poa[rows], zenith[rows], azimuth[rows], dates[rows], location)
+    sky = Sky.from_rows(poa[rows], zenith[rows], azimuth[rows], dates[rows], location)
     moving = residual_by_day(sky, at_rows(angles, rows))
     best, at = nearest_by_day(sky, axis.planes(turns), turns)
     stands = (best < CLEAR) & (moving > np.maximum(CLEAR, BETTER * best))

@@ -287,7 +287,7 @@ def record_signs(inputs: Inputs) -> Signs:
 def signs_of(inputs: Inputs) -> Signs | None:
     """The signs, from the columns; of a long record from some rows."""
     some = slice(None, None, max(1, len(inputs.index) // ENOUGH))
-    few = inputs.columns.taken(some)
+    few = inputs.columns.at_rows(some)
     poa, air, wind, module = (few[name] for name in POSSIBLE)
     over = module - air
     seen = np.isfinite(poa) & np.isfinite(over)

@@ -176,7 +176,9 @@ def test_the_sums_of_a_pass_are_those_of_the_columns(kind, dynamics, monkeypatch
     model, values = model_of("faiman", dynamics, EFFECTS)
     inputs = model.with_drivers(whole.inputs)
     whole = replace(whole, inputs=inputs)
-    counts = whole.known([*COLUMNS, *model.drivers]) & (whole["poa_global"] > 20)
+    counts = whole.complete_rows([*COLUMNS, *model.drivers]) & (
+        whole["poa_global"] > 20
+    )
     temperature, slopes = model.answer(inputs, values, model.past(inputs))
     columns = [np.broadcast_to(slopes[n], len(counts))[counts] for n in model.free]
     rest = (whole["temp_module"] - temperature)[counts]
@@ -204,7 +206,9 @@ def test_the_compiled_loops_are_the_columns(kind, law, dynamics, monkeypatch):
     whole = record(kind)
     inputs = model.with_drivers(whole.inputs)
     whole = replace(whole, inputs=inputs)
-    counts = whole.known([*COLUMNS, *model.drivers]) & (whole["poa_global"] > 20)
+    counts = whole.complete_rows([*COLUMNS, *model.drivers]) & (
+        whole["poa_global"] > 20
+    )
     tabled = with_tables(model, whole)
 
     def found():
@@ -235,7 +239,7 @@ def test_some_blocks_are_a_record_with_gaps(kind, dynamics, monkeypatch):
     whole, (model, values) = record(kind), model_of("faiman", dynamics, ())
     values |= {"tau": 60.0} if dynamics == "ewm" else {}
     values |= {"capacity": 1.5e3} if dynamics == "balance" else {}
-    counts = whole.known(COLUMNS) & (whole["poa_global"] > 20)
+    counts = whole.complete_rows(COLUMNS) & (whole["poa_global"] > 20)
     parts = thermal.blocks(len(counts), 20)
     monkeypatch.setattr(rows_of, "blocks", lambda n, *_: thermal.blocks(n, 20))
     monkeypatch.setattr(rows_of, "EVERY", 4)
@@ -261,7 +265,7 @@ def test_an_effect_on_the_capacity_is_as_with_numpy(dynamics, monkeypatch):
     model, values = model_of("faiman", dynamics, ())
     model, values = replace(model, effects=(own,)), values | {"wet.more": 2e3}
     whole = record("")
-    counts = whole.known(COLUMNS) & (whole["poa_global"] > 20)
+    counts = whole.complete_rows(COLUMNS) & (whole["poa_global"] > 20)
 
     def found():
         sums = normal_sums(model, values, Rows(whole, counts), model.free)

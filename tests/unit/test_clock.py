@@ -129,7 +129,7 @@ def test_a_right_clock_changes_nothing(worst):
     found = clock_shift(record)
     values = found.corrected(record.inputs.seconds, record["temp_module"])
     assert np.array_equal(values, record["temp_module"], equal_nan=True)
-    assert not found.at(record.inputs.seconds).any()
+    assert not found.late_at(record.inputs.seconds).any()
 
 
 def test_rows_that_are_lost_and_a_sensor_that_stood_still_do_no_harm():
@@ -300,7 +300,7 @@ def test_a_logger_in_summer_time_is_found_by_rows_of_an_hour():
     ):
         assert abs(day.tz_localize(None) - pd.Timestamp(date)) <= pd.Timedelta("2D")
         assert by == due
-    winter, summer = found.at(record.inputs.seconds[[500, 4500]])
+    winter, summer = found.late_at(record.inputs.seconds[[500, 4500]])
     assert (winter, summer) == (0.0, 3600.0)
 
 

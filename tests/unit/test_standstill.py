@@ -404,7 +404,7 @@ def test_the_plane_of_a_day_is_between_those_that_are_tried(angle):
     zenith, azimuth = (place[f"solar_{name}"].to_numpy() for name in ANGLES)
     up = zenith < 80.0
     day = times.dayofyear.to_numpy()[up]
-    sky = Sky.of(np.ones(up.sum()), zenith[up], azimuth[up], day, WHERE)
+    sky = Sky.from_rows(np.ones(up.sum()), zenith[up], azimuth[up], day, WHERE)
     planes = Axis(np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])).planes
     sky = replace(sky, poa=0.8 * sky.on_plane(planes(np.array([angle]))[0]))
     turns = np.linspace(-60.0, 60.0, 13)

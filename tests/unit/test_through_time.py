@@ -200,7 +200,7 @@ def test_coefficients_that_do_not_vary_keep_their_value():
     # a solution of the free ones, given the others: exactly so of bias alone
     bias = fit.through_time(coefficients=["bias"])
     assert [*bias.index.unique("coefficient")] == ["bias"]
-    fitted_rows = fit.residual[~fit.holdout & fit.record.known(("poa_global",))]
+    fitted_rows = fit.residual[~fit.holdout & fit.record.complete_rows(("poa_global",))]
     sun = fit.record["poa_global"][fit.residual.index.isin(fitted_rows.index)] > 20.0
     june = fitted_rows[sun].loc["2023-06"].mean()
     shift = bias["value"].loc["bias"].loc["2023-06"].iloc[0] - fit.coefficients["bias"]
