@@ -14,7 +14,7 @@ from scipy.signal import lfilter
 
 import pvlib_fem as fem
 from pvlib_fem import close_loop, datasets, simulator
-from pvlib_fem.quality._check import check, stuck
+from pvlib_fem.quality._check import check, stuck_rows
 from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._module_lag import clock_shift
 from pvlib_fem.quality._noon import solar_noon_shift
@@ -110,7 +110,7 @@ def test_every_column_can_be_stuck(column, value, start, hours):
     end = pd.Timestamp(start) + pd.Timedelta(hours=hours)
     rows = slice(start, str(end - pd.Timedelta("1min")))
     data.loc[rows, column] = value
-    found = stuck(checked(data))
+    found = stuck_rows(checked(data))
     # the nights before and after an irradiance of 0 are of the same run
     rest = 720 if (column, value) == ("poa_global", 0) else 30
     assert 60 * hours <= found.pop(column).sum() <= 60 * hours + rest
@@ -121,7 +121,7 @@ def test_a_stuck_module_does_not_accuse_the_pyranometer():
     """Its jump at the end of a night is not warmth that the night had."""
     data = simulated({}, 10, 60.0, 2, start="2023-06-01")
     data.loc["2023-06-03 22:00":"2023-06-04 09:59", "temp_module"] = 31.0
-    found = stuck(checked(data))
+    found = stuck_rows(checked(data))
     assert found.pop("temp_module").sum() == 720
     assert not np.any(list(found.values()))
 
@@ -133,7 +133,7 @@ def test_stillness_alone_is_no_fault():
     data.loc[night, ["temp_air", "temp_module"]] = [8.2, 6.9]
     data.loc["2023-06-04 12:00":"2023-06-04 20:00", "wind_speed"] = 0.0
     data.loc["2023-06-05 10:00":"2023-06-05 12:00", "temp_module"] = 0.0
-    assert not np.any(list(stuck(checked(data)).values()))
+    assert not np.any(list(stuck_rows(checked(data)).values()))
 
 
 @pytest.mark.parametrize(("days", "dead"), [(4, False), (10, True)])
@@ -143,7 +143,7 @@ def test_a_calm_goes_on_over_nights_that_nobody_recorded(days, dead):
     data[(data.index.hour < 5) | (data.index.hour >= 19)] = np.nan
     calm = slice("2023-06-05", f"2023-06-{4 + days:02d}")
     data.loc[calm, "wind_speed"] *= 0.0
-    found = stuck(checked(data))
+    found = stuck_rows(checked(data))
     assert found.pop("wind_speed").sum() == (14 * days if dead else 0)
     assert not np.any(list(found.values()))
 
@@ -152,7 +152,7 @@ def test_coarse_sensors_are_not_stuck():
     data = simulated({}, 30, 60.0, 2)
     data[["temp_air", "temp_module"]] = data[["temp_air", "temp_module"]].round()
     data["wind_speed"] = data["wind_speed"].round()
-    assert not np.any(list(stuck(checked(data)).values()))
+    assert not np.any(list(stuck_rows(checked(data)).values()))
 
 
 def tropical(amplitude, step, smooth):
@@ -173,9 +173,9 @@ def tropical(amplitude, step, smooth):
 @pytest.mark.parametrize("smooth", [True, False])
 def test_air_that_hardly_moves_is_not_stuck(amplitude, step, smooth):
     data = tropical(amplitude, step, smooth)
-    assert not np.any(list(stuck(checked(data)).values()))
+    assert not np.any(list(stuck_rows(checked(data)).values()))
     data.iloc[-round(80 * 3600 / step) :, list(data).index("temp_air")] = 27.0
-    found = stuck(checked(data))
+    found = stuck_rows(checked(data))
     assert found.pop("temp_air").sum() >= round(80 * 3600 / step)
     assert not np.any(list(found.values()))
 
@@ -189,12 +189,12 @@ def test_an_anemometer_rests_at_its_lowest_reading(step, zeros):
     night = (data.index.hour >= 20) | (data.index.hour < 7)
     data["wind_speed"] = data["wind_speed"].mask(night, 0.4)
     data.iloc[:zeros, list(data).index("wind_speed")] = 0.0
-    assert not np.any(list(stuck(checked(data)).values()))
+    assert not np.any(list(stuck_rows(checked(data)).values()))
     for value, hours in ((0.4, 96), (3.7, 15)):
         spoilt, rows = data.copy(), slice("2023-06-10 07:00", None)
         at = spoilt.loc[rows].index[: round(hours * 3600 / step)]
         spoilt.loc[at, "wind_speed"] = value
-        found = stuck(checked(spoilt)).pop("wind_speed")
+        found = stuck_rows(checked(spoilt)).pop("wind_speed")
         assert found[spoilt.index.isin(at)].all()
         assert found.sum() <= len(at) + 12 * 3600 / step  # and the night after
 
@@ -207,7 +207,7 @@ def test_an_anemometer_that_never_rests_is_stuck_at_a_low_value_too(step):
     low = data["wind_speed"].quantile(0.01).round(2)
     assert low > data["wind_speed"].min()
     data.loc["2023-06-10 07:00":"2023-06-10 16:59", "wind_speed"] = low
-    found = stuck(checked(data)).pop("wind_speed")
+    found = stuck_rows(checked(data)).pop("wind_speed")
     assert round(36000 / step) <= found.sum() <= round(36000 / step) + 2
 
 
@@ -218,7 +218,7 @@ def test_means_of_days_repeat_within_them(step):
     for name in ("temp_air", "wind_speed", "relative_humidity", "longwave_down"):
         daily = data[name].groupby(data.index.date).transform("mean")
         data[name] = daily.round(0 if name == "wind_speed" else 1)
-    assert not np.any(list(stuck(checked(data)).values()))
+    assert not np.any(list(stuck_rows(checked(data)).values()))
 
 
 @given(
@@ -260,7 +260,7 @@ def test_a_sensor_that_moves_once_is_stuck_by_what_moves_it(name):
     """Of its own changes nothing is known."""
     data = simulated({}, 20, 600.0, 2, start="2023-06-01")
     data[name] = np.where(np.arange(len(data)) < 1100, 17.0, 18.5)
-    assert stuck(checked(data))[name].mean() > 0.99
+    assert stuck_rows(checked(data))[name].mean() > 0.99
 
 
 @pytest.mark.parametrize(
@@ -282,7 +282,7 @@ def test_a_sensor_that_never_moves_is_found_and_refused(column, value, gaps):
     if gaps:
         data.loc[np.random.default_rng(0).random(len(data)) < 0.3, column] = np.nan
     there = data[column].notna().to_numpy()
-    found = stuck(checked(data))
+    found = stuck_rows(checked(data))
     assert np.array_equal(found[column], there)
     seen = data.index[there]
     line = rf"{column} is stuck at {value:g} for the whole record, from {seen[0]}"
@@ -297,7 +297,7 @@ def test_a_polar_night_is_no_stuck_pyranometer():
     data = simulated({}, 40, 600.0, 2, start="2023-06-01")
     data["poa_global"] = 0.0
     data["temp_module"] = data["temp_air"]
-    assert not stuck(checked(data))["poa_global"].any()
+    assert not stuck_rows(checked(data))["poa_global"].any()
 
 
 def test_every_limit_says_what_it_is_and_its_unit():
