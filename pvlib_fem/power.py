@@ -290,7 +290,7 @@ def fitted(
         )
     limit = limit_of(power[rows])
     rows = np.flatnonzero(rows)[:: -(-there // MOST)]
-    return Search.of(poa[rows], temp[rows], power[rows], day[rows]).run(limit)
+    return Search.from_rows(poa[rows], temp[rows], power[rows], day[rows]).run(limit)
 
 
 def limit_of(power: np.ndarray) -> float:
@@ -324,7 +324,7 @@ class Search:
     daily: float  # rows per day; rows of one day are not independent
 
     @classmethod
-    def of(
+    def from_rows(
         cls, poa: np.ndarray, temp: np.ndarray, power: np.ndarray, day: np.ndarray
     ) -> "Search":
         first, last = day.min(), day.max()

@@ -35,7 +35,7 @@ class Frame(Rows):
     kind = FemFit
 
     @classmethod
-    def of(
+    def from_record(
         cls, record: Record, counts: np.ndarray, out: np.ndarray, night: bool = False
     ) -> Any:
         """The source of a record, by masks of rows that count and are held out."""
@@ -147,4 +147,4 @@ def as_frame(
     counts &= record.complete_rows(target.drivers)
     notes = [*faults.notes, *oddities(record.inputs, limits, record.absent)]
     out = held_out(record, counts, holdout, notes)
-    return Frame.of(record, counts, out, night), notes
+    return Frame.from_record(record, counts, out, night), notes

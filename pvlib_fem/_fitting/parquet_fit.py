@@ -287,7 +287,8 @@ class InFiles:
         rows = np.array(counted(means.inputs.columns, self.night))
         rows &= means.complete_rows(target.drivers)
         try:
-            stages = stages_of(Frame.of(means, rows, out, self.night), target)[1]
+            frame = Frame.from_record(means, rows, out, self.night)
+            stages = stages_of(frame, target)[1]
         except ValueError:  # too few means count, but rows may be enough
             stages = {}
         usual = {name: row.start for name, row in target.parameters.items()}

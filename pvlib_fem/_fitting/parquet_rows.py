@@ -260,7 +260,7 @@ def first_pass(screened: Any, target: ThermalModel, night: bool) -> Files:
     sums = Sums(step, PRESENT * step / usual)
     gaps = {(): Gaps(), drivers: Gaps()}
     wind, table, seen = np.zeros(2), {}, {}
-    held = Held.of(target.effect_drivers, usual)
+    held = Held.for_drivers(target.effect_drivers, usual)
     for block in screened.record.blocks():
         sums.add(block.index, block.inputs.columns)
         held.add(block)
@@ -272,7 +272,9 @@ def first_pass(screened: Any, target: ThermalModel, night: bool) -> Files:
         wind += speed[there].sum(), there.sum()
         rows, dates = rows_that_count(block, night, drivers), block.dates
         complete = np.isfinite(sum(block[name] for name in COLUMNS))
-        seen[block.start] = BlockRows.of(complete, rows, dates, even(block).steps)
+        seen[block.start] = BlockRows.from_masks(
+            complete, rows, dates, even(block).steps
+        )
         by_day(table, dates, rows, block["poa_global"] ** 2, speed)
     totals = np.array([table[date] for date in sorted(table)]).reshape(-1, 4)
     inputs = sums.inputs()

@@ -26,7 +26,7 @@ class BlockRows:
     steps: tuple | None  # usual step, places and values of others; None if too many
 
     @classmethod
-    def of(
+    def from_masks(
         cls, complete: np.ndarray, counts: np.ndarray, dates: np.ndarray, steps: Any
     ) -> Any:
         edges = np.flatnonzero(np.diff(dates)) + 1

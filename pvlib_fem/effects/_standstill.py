@@ -35,7 +35,7 @@ class Axis:
     aside: np.ndarray
 
     @classmethod
-    def of(cls, normal: np.ndarray) -> "Axis":
+    def from_normals(cls, normal: np.ndarray) -> "Axis":
         """
         The axis about which some planes are rotations.
 
@@ -115,7 +115,7 @@ def rotations(tilt: np.ndarray, azimuth: np.ndarray) -> tuple[Axis, np.ndarray]:
     if not there.any():
         raise ValueError("the angles of the plane are not known")
     normal = normals(tilt[there], azimuth[there]).T
-    axis = Axis.of(normal)
+    axis = Axis.from_normals(normal)
     angles = axis.angles(normal)
     low, high = angles.min(), angles.max()
     if not high - low > LEAST_TURN:
@@ -162,7 +162,7 @@ def find_standstill(
         Angle [°], first day, first day after it, and the days between which it began
         and ended.
     """
-    days = Days.of(rest, even, basis, day)
+    days = Days.from_rows(rest, even, basis, day)
     lengths = days.lengths
     if not len(lengths):
         return None

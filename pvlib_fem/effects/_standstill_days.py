@@ -112,7 +112,7 @@ class Days:
     dates: np.ndarray
 
     @classmethod
-    def of(
+    def from_rows(
         cls, rest: np.ndarray, even: np.ndarray, basis: np.ndarray, day: np.ndarray
     ) -> "Days":
         dates = np.floor(day).astype(int)

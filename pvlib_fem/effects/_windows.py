@@ -71,7 +71,7 @@ def find_windows(
     basis = basis.T.take(sunny, axis=1).T  # contiguous columns
     floor = (rows or len(rest)) * least**2
     rest, tangent, weeks = rest[sunny], tangent[sunny], weeks[sunny]
-    sky = Sky.of(rest, tangent, basis, *(angle[sunny] for angle in sun))
+    sky = Sky.from_rows(rest, tangent, basis, *(angle[sunny] for angle in sun))
     mask, gain = np.zeros(sky.squares.shape, dtype=bool), 0.0
     weigh = partial(gain_of, sign=sign, most=MOST_SHARE)
     for _ in range(MOST_WINDOWS):
@@ -110,7 +110,7 @@ class Sky:
     size: tuple  # of a cell in elevation and azimuth [°]
 
     @classmethod
-    def of(
+    def from_rows(
         cls,
         rest: np.ndarray,
         tangent: np.ndarray,

@@ -176,7 +176,7 @@ class Case:
         values = [self.record[name] for name in COLUMNS]
         rows = {part: np.asarray(inside(*values)) for part, inside in PARTS.items()}
         out = held_out(self.record, rows["day"], holdout, notes)
-        self.frame = Frame.of(record, rows["day"], out)
+        self.frame = Frame.from_record(record, rows["day"], out)
         self.kept, self.train = ~out, self.frame.counts
         self.parts = {part: there & out for part, there in rows.items()}
         self.resolution = usual_step(self.record.index)
