@@ -174,7 +174,7 @@ def over_nan(solve: Any) -> Any:
         if not len(valid):
             return solve(target, steps, tau, *state)
         # the sample and the tau at the end of a step apply to the whole step
-        steps, tau = across(steps, valid), part(tau, valid)
+        steps, tau = steps_across(steps, valid), rows_of(tau, valid)
         response = solve(target[valid], steps, tau, *state)
         result = np.full((*response.shape[:-1], len(target)), np.nan)
         result[..., valid] = response
@@ -223,10 +223,10 @@ def relax(
         block = slice(start, min(start + BLOCK, rows))
         x, y = target[block], result[block]
         decay = decay[: len(x)]
-        np.multiply(part(steps, block), part(rate, block), out=decay)
+        np.multiply(rows_of(steps, block), rows_of(rate, block), out=decay)
         np.exp(decay, out=decay)
         if limit is not None:
-            decay[part(steps, block) > part(limit, block)] = 0.0
+            decay[rows_of(steps, block) > rows_of(limit, block)] = 0.0
         np.multiply(decay, x, out=y)
         np.subtract(x, y, out=y)
         respond(decay, y, state, band)
@@ -417,10 +417,10 @@ def usual_step(columns: list, steps: float | np.ndarray) -> float:
         return float(steps)
     if not missing:
         return median_step(steps)
-    return median_step(across(steps, np.flatnonzero(there)))
+    return median_step(steps_across(steps, np.flatnonzero(there)))
 
 
-def across(steps: Any, valid: np.ndarray) -> np.ndarray:
+def steps_across(steps: Any, valid: np.ndarray) -> np.ndarray:
     """
     Steps between the ``valid`` rows, across the other rows.
 
@@ -443,7 +443,7 @@ def across(steps: Any, valid: np.ndarray) -> np.ndarray:
     return np.add.reduceat(steps[: valid[-1] + 1], first)
 
 
-def part(values: Any, rows: Any) -> float | np.ndarray:
+def rows_of(values: Any, rows: Any) -> float | np.ndarray:
     """
     Some rows of an array; a number is returned as it is.
 

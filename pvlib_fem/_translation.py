@@ -93,13 +93,13 @@ def reciprocal(value: float | np.ndarray) -> float | np.ndarray:
     return 1.0 / value
 
 
-def same(value: float | np.ndarray) -> float | np.ndarray:
+def identity(value: float | np.ndarray) -> float | np.ndarray:
     return value
 
 
 LOSS = (reciprocal, reciprocal, lambda r: -1.0 / r**2)
 LOGARITHM = (np.log, np.exp, reciprocal)
-PLAIN = (same, same, lambda r: 1.0)
+PLAIN = (identity, identity, lambda r: 1.0)
 
 SHAPES = {
     "ross": Shape(
@@ -236,7 +236,7 @@ def translate_coefficients(
     """
     carried = {name: coefficients[name] for name in CARRIED if name in coefficients}
     own = {name: v for name, v in coefficients.items() if name not in CARRIED}
-    start, own = completed(source, own)
+    start, own = completed_shape(source, own)
     goal = shape(target)
     fixed = completed_fixed(target, goal, fixed)
     if source == target and not fixed:
@@ -316,7 +316,7 @@ def translation_mismatch(
     difference = np.zeros(winds.shape)
     for name, values, sign in ((target, translated, 1.0), (source, coefficients, -1.0)):
         values = {k: v for k, v in values.items() if k not in CARRIED}
-        model, values = completed(name, values)
+        model, values = completed_shape(name, values)
         difference = difference + sign * SUN * model.resistance(winds, values)
     worst = int(np.argmax(np.abs(difference)))
     return Mismatch(
@@ -332,7 +332,7 @@ def shape(model: str) -> Any:
     return SHAPES[model]
 
 
-def completed(model: str, coefficients: dict) -> Any:
+def completed_shape(model: str, coefficients: dict) -> Any:
     """The shape of a model and its coefficients with the fixed ones."""
     if model == "ross" and "noct" in coefficients:
         model = "noct"

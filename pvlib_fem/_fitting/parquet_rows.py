@@ -16,7 +16,7 @@ from pvlib_fem._record.file_summary import Summary, digest_of
 from pvlib_fem._record.inputs import Inputs, Record
 from pvlib_fem._record.parquet import ParquetRecord
 from pvlib_fem._record.resampling import Sums
-from pvlib_fem._thermal.compiled import AT_ONCE, fast
+from pvlib_fem._thermal.compiled import AT_ONCE, uses_compiled_loops
 from pvlib_fem._thermal.model import BLOCK, ThermalModel, blocks
 from pvlib_fem._thermal.response import Past
 from pvlib_fem.drivers import is_modelled
@@ -110,7 +110,7 @@ class Files(Source):
                 given = {}
                 for key, one in requests.items():
                     own = one.model.with_drivers(here), one.coefficients
-                    known = one.model.knowing(*own, one.wanted)
+                    known = one.model.with_known_terms(*own, one.wanted)
                     given[key] = known, (*own, pasts[key])
                 counts = {which: at[piece] for which, at in rows.items()}
                 yield Part(here["temp_module"], dates[piece], counts), given
@@ -118,11 +118,11 @@ class Files(Source):
     @property
     def at_once(self) -> int:
         """Rows that are solved at a time."""
-        return AT_ONCE if fast(len(self.clean), ()) else BLOCK
+        return AT_ONCE if uses_compiled_loops(len(self.clean), ()) else BLOCK
 
     def quick(self, model: Any) -> Any:
         """Whether the compiled loops can solve a model with known terms."""
-        return fast(len(self.clean), model.effects)
+        return uses_compiled_loops(len(self.clean), model.effects)
 
     def held_out(self, dates: np.ndarray) -> np.ndarray:
         """Mask of held-out rows, by their dates."""
@@ -143,7 +143,7 @@ class Files(Source):
             for part in blocks(len(block), self.at_once):
                 here = bases.added_to(inputs.part(part))
                 own = model.with_drivers(here), coefficients
-                known = model.knowing(*own, False)
+                known = model.with_known_terms(*own, False)
                 given = (*own, past)
                 temperatures.append(temperature_of(known, given, self.quick(known)))
             yield block.index, block["temp_module"] - np.concatenate(temperatures)
@@ -195,7 +195,7 @@ class Bases:
         if self.model is None:
             return inputs
         base = self.model.completed(self.model.base)
-        temperature = self.plain.answer(inputs, base, self.past, wanted=False)[0]
+        temperature = self.plain.solve_block(inputs, base, self.past, wanted=False)[0]
         return self.model.based(inputs, temperature)
 
 

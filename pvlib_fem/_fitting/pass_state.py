@@ -9,7 +9,7 @@ import numpy as np
 from pvlib_fem._record.filters import counted
 from pvlib_fem._record.inputs import Inputs
 from pvlib_fem._record.parquet import Block
-from pvlib_fem._relaxation import across
+from pvlib_fem._relaxation import steps_across
 from pvlib_fem.quality._file_scan import count_steps, median
 
 OTHERS = 0.02  # largest share of unusual steps in a block that is stored sparsely
@@ -66,7 +66,7 @@ class Gaps:
         if not len(there):
             self.since += steps.sum()
             return
-        between = across(steps, there)
+        between = steps_across(steps, there)
         between[0] += self.since
         self.since = steps[there[-1] + 1 :].sum()
         count_steps(self.steps, between[0 if self.begun else 1 :])

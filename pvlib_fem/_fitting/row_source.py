@@ -18,7 +18,7 @@ from pvlib_fem._statistics.clusters import (
     products_by_day,
 )
 from pvlib_fem._statistics.leastsquares import Normal, products
-from pvlib_fem._thermal.compiled import AT_ONCE, answered, fast
+from pvlib_fem._thermal.compiled import AT_ONCE, solve_compiled, uses_compiled_loops
 from pvlib_fem._thermal.model import BLOCK, ThermalModel, blocks
 
 EVERY, FEWEST = 8, 4  # a search begins on every eighth block, if that makes four
@@ -85,7 +85,7 @@ class Compiled:
         """Products over parts that start at 0 and ``firsts``; ``into``: temperature."""
         edges = np.array([0, *firsts, len(self.counts)], dtype=np.int64)
         seen = self.counts, self.measured
-        total = answered(*[self.model, *self.given, seen, edges, into])
+        total = solve_compiled(*[self.model, *self.given, seen, edges, into])
         parameters = list(self.model.parameters)
         kept = [*(parameters.index(name) for name in names), -1]
         return total[:, kept][:, :, kept]
@@ -128,7 +128,7 @@ class Part:
         counts = self.counts[which]
         if quick:
             return Compiled(model, given, counts, self.measured, self.dates)
-        return answer_of(*model.answer(*given), counts, self.measured, self.dates)
+        return answer_of(*model.solve_block(*given), counts, self.measured, self.dates)
 
 
 class Source:
@@ -254,10 +254,10 @@ def temperature_of(
         Temperature of the module. [°C]
     """
     if not quick:
-        return model.answer(*given, wanted=False)[0]
+        return model.solve_block(*given, wanted=False)[0]
     temperature = np.zeros(len(given[0].index))
     seen = None if counts is None else (counts, np.nan)
-    answered(*[model, *given, seen], into=temperature)
+    solve_compiled(*[model, *given, seen], into=temperature)
     return temperature
 
 
@@ -301,14 +301,14 @@ class Rows(Source):
 
     def quick(self, model: Any) -> Any:
         """Whether the compiled loops can solve a model with known terms."""
-        return fast(len(self.record.index), model.effects)
+        return uses_compiled_loops(len(self.record.index), model.effects)
 
     def parts(self, requests: Any) -> Any:
         """The record in blocks; see :meth:`Source.parts`."""
         inputs, dates, kept = self.record.inputs, self.record.dates, self.kept
         pasts = {key: one.model.past(inputs) for key, one in requests.items()}
         known = {
-            key: one.model.knowing(inputs, one.coefficients, one.wanted)
+            key: one.model.with_known_terms(inputs, one.coefficients, one.wanted)
             for key, one in requests.items()
         }
         size = len(inputs.index)
@@ -318,7 +318,7 @@ class Rows(Source):
             size = AT_ONCE  # terms and widened columns would take too much memory
         for block, part in self.in_blocks(size):
             given = {
-                key: (known[key].on(block), (part, one.coefficients, pasts[key]))
+                key: (known[key].on_rows(block), (part, one.coefficients, pasts[key]))
                 for key, one in requests.items()
             }
             counts = {which: rows[block] for which, rows in kept.items()}

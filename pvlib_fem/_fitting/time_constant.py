@@ -87,7 +87,7 @@ def lag(model: ThermalModel, coefficients: dict, step: float, wind: float) -> La
     ((name, row),) = MEMORY[model.dynamics].items()
     if name == "capacity":  # its time constant is capacity times resistance
         law = model.steady_model
-        gain = float(law.resistance(wind, **model.own(coefficients)))
+        gain = float(law.resistance(wind, **model.steady_coefficients(coefficients)))
         if gain * row.upper * FADED <= step:
             raise refusal(
                 f"temp_module does not follow poa_global: in wind of {wind:.3g} m/s "

@@ -322,13 +322,13 @@ class Tangents:
         rows : array of int
             In order.
         """
-        model = model.knowing(inputs, coefficients)
-        reach = FADED * model.longest(inputs, coefficients)
+        model = model.with_known_terms(inputs, coefficients)
+        reach = FADED * model.longest_time_constant(inputs, coefficients)
         read = remembered(rows, inputs.seconds, reach)
         names = (*COLUMNS[:3], *model.drivers)
         inputs = inputs.only(names).at_rows(read)
         places = np.searchsorted(read, rows)
-        return cls(model.on(read), inputs, coefficients, read, places)
+        return cls(model.on_rows(read), inputs, coefficients, read, places)
 
     def slopes(self, also: Mapping[str, Terms] | None = None) -> dict[str, np.ndarray]:
         """

@@ -17,7 +17,7 @@ MEMORIES = {"ewm": "tau", "balance": "capacity"}
 FAR = 8.0  # m/s, second point of a line in wind; the first is calm air
 
 
-def fast(rows: int, effects: tuple, also: Any = None) -> bool:
+def uses_compiled_loops(rows: int, effects: tuple, also: Any = None) -> bool:
     """
     Whether the compiled loops can solve a record, and it is long enough to load them.
 
@@ -86,24 +86,24 @@ def of_terms(slopes: dict, names: list, rows: int) -> tuple:
 def of_rows(seen: tuple | None, rows: int) -> tuple[np.ndarray, np.ndarray]:
     """The mask of rows that count, by default all, and the measured values."""
     counts, measured = seen or (np.ones(rows, bool), np.nan)
-    return counts, whole(measured)
+    return counts, loop_column(measured)
 
 
-def whole(column: float | np.ndarray) -> np.ndarray:
+def loop_column(column: float | np.ndarray) -> np.ndarray:
     """A column as an array for the loops: of all rows, or of one tile if constant."""
     if np.ndim(column) == 0:
-        column = constant(float(column))
+        column = constant_tile(float(column))
     column = np.ascontiguousarray(column, dtype=float).view()
     column.flags.writeable = False  # else numba compiles a version for writable arrays
     return column
 
 
 @lru_cache(maxsize=16)
-def constant(value: float) -> np.ndarray:
+def constant_tile(value: float) -> np.ndarray:
     return np.full(loops().TILE, value)
 
 
-def answered(
+def solve_compiled(
     model: Any,
     inputs: Inputs,
     coefficients: dict,
@@ -141,7 +141,7 @@ def answered(
     wanted, law = edges is not None, model.steady_model
     added, slopes = model.terms(inputs, coefficients, wanted, also)
     names = [name for name in slopes if name != "bias"]
-    line, clip, by = line_of(law, model.own(coefficients))
+    line, clip, by = line_of(law, model.steady_coefficients(coefficients))
     size, rows = 5 + len(names), len(inputs["temp_air"])
     if past.state is None:
         past.state = np.zeros((3, size))
@@ -155,11 +155,11 @@ def answered(
     memory = coefficients.get(MEMORIES.get(model.dynamics), 1.0) / inputs.unit
     more = of_terms(slopes, names, rows)
     leaky = is_there(added.loss) or len(more[1][0]) > 0
-    kernels.answer(
+    kernels.solve_rows(
         getattr(kernels, model.dynamics.upper()),
         (law.scale, float(line[0]), float(line[1]), clip),
         (float(memory), float(inputs.unit), float(past.usual), leaky),
-        (*map(whole, columns), into),
+        (*map(loop_column, columns), into),
         more,
         of_rows(seen, rows),
         edges if wanted else np.array([0, rows]),
@@ -169,11 +169,11 @@ def answered(
     )
     if not wanted:
         return responses if also is not None else None
-    chain = chained(model, by, names)
+    chain = chain_matrix(model, by, names)
     return chain.T @ total @ chain
 
 
-def chained(model: Any, by: dict, names: list) -> np.ndarray:
+def chain_matrix(model: Any, by: dict, names: list) -> np.ndarray:
     """Matrix from the columns of the loops to slopes by parameter, and the residual."""
     parameters = list(model.parameters)
     chain = np.zeros((5 + len(names), len(parameters) + 1))

@@ -108,14 +108,14 @@ class Smooth:
         if np.ndim(whole) == 0:
             return
         self.answer = answer = Response(name, whole, steps, tau, past)
-        there = answer.there(whole)
+        there = answer.known_rows(whole)
         smooth = answer.mean("value", there)
-        self.value = answer.spread(smooth)
+        self.value = answer.on_all_rows(smooth)
         if wanted:
             # slope by the logarithm of tau: the distance that is still to decay
-            source = answer.fall("value", smooth, there)
+            source = answer.source_by_log_tau("value", smooth, there)
             source /= answer.tau
-            self.by_tau = answer.spread(answer.solve("by_tau", source))
+            self.by_tau = answer.on_all_rows(answer.solve("by_tau", source))
 
     def part(self, name: str, column: np.ndarray) -> np.ndarray:
         """A part of the column, smoothed; its gaps are those of the whole column."""
@@ -123,8 +123,10 @@ class Smooth:
             return column
         if np.ndim(self.whole) == 0:
             answer = Response(f"{self.name} {name}", column, *self.given)
-            return answer.spread(answer.mean(name, answer.there(column)))
-        return self.answer.spread(self.answer.mean(name, self.answer.there(column)))
+            return answer.on_all_rows(answer.mean(name, answer.known_rows(column)))
+        return self.answer.on_all_rows(
+            self.answer.mean(name, self.answer.known_rows(column))
+        )
 
 
 def smoothed(
@@ -225,19 +227,19 @@ def balanced(
     target = inputs["temp_air"] + added.heat * r_eq
     tau = added.capacity / inputs.unit * r_eq
     answer = Response("balance", target, inputs.steps, tau, past)
-    there = answer.there
+    there = answer.known_rows
     target, r_eq = there(target), there(r_eq)
     temperature = answer.mean("temperature", target)
     if not slopes:
-        return answer.spread(temperature), {}
+        return answer.on_all_rows(temperature), {}
     by_steady, by_loss = resistance_slopes(
         steady_model, own, there(wind), r_eq, there(share)
     )
-    fall = answer.fall("temperature", temperature, target)
+    fall = answer.source_by_log_tau("temperature", temperature, target)
     by_r = answer.rise * there(added.heat) + fall / r_eq  # slope of the source by r_eq
 
     def solved(name: str, source: Any) -> np.ndarray:
-        return answer.spread(answer.solve(name, source))
+        return answer.on_all_rows(answer.solve(name, source))
 
     partials: dict[str, Any] = {
         name: solved(name, by_r * by_steady[name]) for name in steady_model.parameters
@@ -253,4 +255,4 @@ def balanced(
             source = source + fall * there(slope.capacity / added.capacity)
         if np.ndim(source):
             partials[name] = partials[name] + solved(name, source)
-    return answer.spread(temperature), partials
+    return answer.on_all_rows(temperature), partials

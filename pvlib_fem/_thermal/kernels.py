@@ -86,21 +86,21 @@ def decay_all(
 
 
 @inlined
-def faded(step: float, tau: float, usual: float) -> tuple[float, float]:
+def fade_with_slope(step: float, tau: float, usual: float) -> tuple[float, float]:
     """Weight of the past after a step, and its slope by tau."""
     decay = fade(step, step / tau, usual)
     return decay, decay * step / tau / tau
 
 
 @inlined
-def keep(
+def write_state(
     state: np.ndarray, since: float, begun: float, value: float, by_memory: float
 ) -> None:
     state[0], state[1], state[2], state[3] = since, begun, value, by_memory
 
 
 @inlined
-def follows(values: np.ndarray, state: np.ndarray) -> bool:
+def is_unbroken(values: np.ndarray, state: np.ndarray) -> bool:
     """Whether a column has no NaN, and the row before it had none."""
     whole = state[0] == 0.0 and state[1] == 1.0
     for i in range(len(values)):
@@ -109,7 +109,7 @@ def follows(values: np.ndarray, state: np.ndarray) -> bool:
 
 
 @inlined
-def even(steps: np.ndarray) -> bool:
+def has_even_steps(steps: np.ndarray) -> bool:
     """Whether all steps are equal."""
     same = True
     for i in range(len(steps)):
@@ -134,19 +134,21 @@ def smooth(
     for i in range(len(values)):
         step = steps[i]
         if step != last:
-            last, fading = step, faded(step, tau, usual)
+            last, fading = step, fade_with_slope(step, tau, usual)
         means[i], by_tau[i], decays[i] = mean, slope, np.nan
         if np.isnan(values[i]):
             since += step
             continue
-        decay, growth = fading if since == 0.0 else faded(step + since, tau, usual)
+        decay, growth = (
+            fading if since == 0.0 else fade_with_slope(step + since, tau, usual)
+        )
         if not begun:
             decay = growth = 0.0
         slope = decay * slope + growth * (mean - values[i])
         mean = decay * mean + (1.0 - decay) * values[i]
         means[i], by_tau[i], decays[i] = mean, slope, decay
         since, begun = 0.0, 1.0
-    keep(state, since, begun, mean, slope)
+    write_state(state, since, begun, mean, slope)
 
 
 @compiled
@@ -161,7 +163,7 @@ def smooth_both(
     into_two: tuple,
 ) -> float:
     """Smooth two columns without gaps in one loop: their recursions run in parallel."""
-    decay, growth = faded(step, tau, usual)
+    decay, growth = fade_with_slope(step, tau, usual)
     (mean, slope), (mean_two, slope_two) = state[0, 2:4], state[1, 2:4]
     (means, slopes), (means_two, slopes_two) = into, into_two
     for i in range(len(one)):
@@ -176,7 +178,7 @@ def smooth_both(
 
 
 @inlined
-def leaves(
+def write_residual(
     kept: tuple, measured: np.ndarray, temperature: np.ndarray, slopes: np.ndarray
 ) -> None:
     """Write the residual and the slope by a bias; set the other slopes to zero."""
@@ -220,7 +222,7 @@ def steady(
         temperature[i] = air[i] + heat[i] * r_eq[i] + offset[i]
     if slopes.size == 0:
         return
-    leaves(kept, measured, temperature, slopes)
+    write_residual(kept, measured, temperature, slopes)
     for i in range(first, last):
         by_0 = heat[i] * by_line[i]
         slopes[0, i] = by_0 if counts[i] else 0.0
@@ -256,7 +258,11 @@ def ewm(
     winds, winds_by_tau = work[3, :rows], work[4, :rows]
     leaks, leaks_by_tau, stays = work[5, :rows], work[6, :rows], work[7, :rows]
     r_eq, by_line = work[8, :rows], work[9, :rows]
-    if even(steps) and follows(heat, state[0]) and follows(wind, state[1]):
+    if (
+        has_even_steps(steps)
+        and is_unbroken(heat, state[0])
+        and is_unbroken(wind, state[1])
+    ):
         into = (felts, felts_by_tau), (winds, winds_by_tau)
         decays[:] = smooth_both(heat, wind, steps[0], tau, usual, state, *into)
     else:
@@ -275,7 +281,7 @@ def ewm(
         temperature[i] = air[i] + felts[i] * r_eq[i] + offset[i]
     if slopes.size == 0:
         return
-    leaves(kept, measured, temperature, slopes)
+    write_residual(kept, measured, temperature, slopes)
     for i in range(first, last):
         by_0 = felts[i] * by_line[i]
         by_wind = by_line[i] * slope if winds[i] < clip else 0.0
@@ -321,7 +327,7 @@ def relax(
     """Write temperature and slopes by the memory; return whether no row is missing."""
     capacity, usual, rows = memory[0], memory[2], len(targets)
     since, begun, module, by_memory = state[:4]
-    whole = follows(targets, state)
+    whole = is_unbroken(targets, state)
     for i in range(rows if whole else 0):
         into[i] = (1.0 - decays[i]) * targets[i]
     for i in range(rows if whole else 0):
@@ -342,7 +348,7 @@ def relax(
         falls[i] *= (module - target) * decay
         module, begun, since = decay * module + (1.0 - decay) * target, 1.0, 0.0
         into[i] = module + offset[i]
-    keep(state, since, begun, module, by_memory)
+    write_state(state, since, begun, module, by_memory)
     return whole
 
 
@@ -375,7 +381,7 @@ def balance(
     )
     if not wanted:
         return
-    leaves(kept, measured, temperature, slopes)
+    write_residual(kept, measured, temperature, slopes)
     by_r, adds_0, adds_1 = work[5, :rows], work[6, :rows], work[7, :rows]
     by_capacity = 1.0 / (capacity * unit)
     for i in range(rows):
@@ -423,7 +429,7 @@ def add_products(slopes: np.ndarray, first: Any, last: Any, total: np.ndarray) -
 
 
 @inlined
-def span(counts: np.ndarray) -> Any:
+def counted_span(counts: np.ndarray) -> Any:
     """The first row that counts, and the row after the last that counts."""
     first, last = 0, len(counts)
     while first < last and not counts[first]:
@@ -440,7 +446,9 @@ def tile(column: np.ndarray, first: int, last: int, rows: int) -> np.ndarray:
 
 
 @inlined
-def longest(dynamics: int, law: tuple, memory: tuple, losses: np.ndarray) -> float:
+def longest_time_constant(
+    dynamics: int, law: tuple, memory: tuple, losses: np.ndarray
+) -> float:
     """Longest time constant of any row, in the unit of the steps; inf if not known."""
     if dynamics == STEADY:
         return 0.0
@@ -462,7 +470,7 @@ def longest(dynamics: int, law: tuple, memory: tuple, losses: np.ndarray) -> flo
 
 
 @inlined
-def sought(
+def next_counted_row(
     counts: np.ndarray, steps: np.ndarray, first: int, reach: float
 ) -> tuple[int, int]:
     """The next row that counts, or the end; and the first row that influences it."""
@@ -477,7 +485,7 @@ def sought(
 
 
 @compiled
-def answer(
+def solve_rows(
     dynamics: int,
     law: tuple,
     memory: tuple,
@@ -534,21 +542,21 @@ def answer(
     work = np.empty((WORK, TILE + APART))
     reach, ahead, since = np.inf, -1, 0
     if not (wanted and len(temperature) == end):
-        reach = FADED * longest(dynamics, law, memory, loss)
+        reach = FADED * longest_time_constant(dynamics, law, memory, loss)
     for part in range(len(edges) - 1):
         b = edges[part]
         while b < edges[part + 1]:
             if b > ahead and reach < np.inf:
-                ahead, since = sought(counts, steps, b, reach)
+                ahead, since = next_counted_row(counts, steps, b, reach)
             a = max(b, since)
             b = min(a + TILE, edges[part + 1])
             if a >= b:
                 break
             low, high = 0, b - a
             if wanted or reach < np.inf:
-                low, high = span(counts[a:b])
+                low, high = counted_span(counts[a:b])
             if reach < np.inf and a + high < b:
-                ahead, since = sought(counts, steps, a + high, reach)
+                ahead, since = next_counted_row(counts, steps, a + high, reach)
                 b = min(b, a + high) if since > a + high else b
             low, high, rows = unsigned(low), unsigned(high), unsigned(b - a)
             shown = (low, high) if len(temperature) != end else (unsigned(0), rows)

@@ -20,11 +20,11 @@ from pvlib_fem._record.inputs import Inputs, read
 from pvlib_fem._record.ranges import range_of
 from pvlib_fem._relaxation import usual_step
 from pvlib_fem._spelling import argument, refusal
-from pvlib_fem._thermal.compiled import answered, fast
+from pvlib_fem._thermal.compiled import solve_compiled, uses_compiled_loops
 from pvlib_fem._thermal.dynamics import balanced, resistance, smoothed, steady
 from pvlib_fem._thermal.response import Past
 from pvlib_fem._thermal.steady_models import STEADY_MODELS, SteadyModel, steady_model
-from pvlib_fem._thermal.temperature import TAU, losing
+from pvlib_fem._thermal.temperature import TAU, checked_resistance
 from pvlib_fem.drivers import MODELLED, behind, completed, needed_for, remembered
 from pvlib_fem.effects._effect import Effect, Parameter, Terms, is_there, known
 from pvlib_fem.quality._outliers import out_of_range
@@ -141,7 +141,7 @@ class ThermalModel:
     def based(self, inputs: Inputs, temperature: Any, needed: Any = MODELLED) -> Any:
         """The inputs, completed by a temperature of the base model and its losses."""
         base = self.completed(self.base)
-        wind, own = inputs["wind_speed"], self.own(base)
+        wind, own = inputs["wind_speed"], self.steady_coefficients(base)
         loss = 1.0 / self.steady_model.resistance(wind, **own)
         inputs = inputs.having({"temp_base": temperature, "loss_base": loss})
         if "air_base" not in needed:
@@ -254,7 +254,8 @@ class ThermalModel:
         # without a base its own coefficients are those of the model without effects
         based = self if self.base else replace(self, base=coefficients)
         inputs = based.with_drivers(inputs)
-        losing(self.steady_model, inputs["wind_speed"], self.own(coefficients))
+        own = self.steady_coefficients(coefficients)
+        checked_resistance(self.steady_model, inputs["wind_speed"], own)
         temperature = self.temperature(inputs, coefficients)
         # a response in a gap of a driver may be a number, but it is not known
         light = inputs["poa_global"]
@@ -320,17 +321,17 @@ class ThermalModel:
         The values of rows that do not count are undefined.
         """
         rows, past = len(inputs.index), self.past(inputs)
-        model = self.knowing(inputs, coefficients, False)
-        quick = fast(rows, model.effects)
+        model = self.with_known_terms(inputs, coefficients, False)
+        quick = uses_compiled_loops(rows, model.effects)
         scratch = np.zeros(min(ALONE, rows))
         for block in blocks(rows, ALONE):
-            given, here = (inputs.part(block), coefficients, past), model.on(block)
+            given, here = (inputs.part(block), coefficients, past), model.on_rows(block)
             temperature = scratch[: len(given[0].index)]
             if quick:
                 seen = None if counts is None else (counts[block], np.nan)
-                answered(here, *given, seen, into=temperature)
+                solve_compiled(here, *given, seen, into=temperature)
             else:
-                temperature = here.answer(*given, wanted=False)[0]
+                temperature = here.solve_block(*given, wanted=False)[0]
             yield temperature
 
     def slopes(
@@ -345,10 +346,11 @@ class ThermalModel:
         """
         rows = len(inputs.index)
         temperature, slopes = np.empty(rows), {}
-        model, past = self.knowing(inputs, coefficients, wanted), self.past(inputs)
-        if also is not None and not wanted and fast(rows, model.effects, also):
+        model = self.with_known_terms(inputs, coefficients, wanted)
+        past, one_pass = self.past(inputs), also is not None and not wanted
+        if one_pass and uses_compiled_loops(rows, model.effects, also):
             given = inputs, coefficients, past
-            responses = answered(model, *given, into=temperature, also=also)
+            responses = solve_compiled(model, *given, into=temperature, also=also)
             offset = model.terms(inputs, coefficients, wanted=False)[0].offset
             over = temperature - offset - inputs["temp_air"]
             return temperature, {
@@ -356,27 +358,27 @@ class ThermalModel:
                 for name, answer in zip(also, responses)
             }
         for block in blocks(rows):
-            part, more = inputs.part(block), also and parts(also, block)
-            here = model.on(block)
+            part, more = inputs.part(block), also and terms_on_rows(also, block)
+            here = model.on_rows(block)
             given = part, coefficients, past, wanted, more
-            temperature[block], block_slopes = here.answer(*given)
+            temperature[block], block_slopes = here.solve_block(*given)
             for name, slope in block_slopes.items():
                 if name not in slopes:
                     slopes[name] = np.empty(rows)
                 slopes[name][block] = slope
         return temperature, slopes
 
-    def longest(self, inputs: Inputs, coefficients: dict) -> Any:
+    def longest_time_constant(self, inputs: Inputs, coefficients: dict) -> Any:
         """Longest time constant of any row. [s]"""
         if self.dynamics != "balance":
             return coefficients.get("tau", 0.0)
         added = self.terms(inputs, coefficients, wanted=False)[0]
-        wind, own = inputs["wind_speed"], self.own(coefficients)
+        wind, own = inputs["wind_speed"], self.steady_coefficients(coefficients)
         r_eq, _ = resistance(self.steady_model, own, wind, added.loss)
         taus = (added.capacity + coefficients["capacity"]) * r_eq
         return float(np.nanmax(taus, initial=0.0))
 
-    def knowing(
+    def with_known_terms(
         self, inputs: Inputs, coefficients: dict, wanted: bool = True
     ) -> "ThermalModel":
         """The model with the terms of its effects computed on a record's columns."""
@@ -384,9 +386,9 @@ class ThermalModel:
         effects = tuple(known(effect, *given) for effect in self.effects)
         return replace(self, effects=effects) if effects else self
 
-    def on(self, rows: Any) -> "ThermalModel":
+    def on_rows(self, rows: Any) -> "ThermalModel":
         """The model with the terms of its effects cut to a slice of the record."""
-        effects = tuple(effect.on(rows) for effect in self.effects)
+        effects = tuple(effect.on_rows(rows) for effect in self.effects)
         return replace(self, effects=effects) if effects else self
 
     def past(self, inputs: Any) -> Past:
@@ -397,7 +399,7 @@ class ThermalModel:
             inputs.cache[names] = usual_step(columns, inputs.steps)
         return Past(inputs.cache[names])
 
-    def answer(
+    def solve_block(
         self,
         inputs: Inputs,
         coefficients: dict,
@@ -426,7 +428,7 @@ class ThermalModel:
             Slopes of further terms; the responses to them are computed, too.
         """
         added, slopes = self.terms(inputs, coefficients, wanted, also)
-        law, own = self.steady_model, self.own(coefficients)
+        law, own = self.steady_model, self.steady_coefficients(coefficients)
         if self.dynamics == "steady":
             temperature, answers = steady(law, own, inputs, added, slopes)
         elif self.dynamics == "ewm":
@@ -456,7 +458,7 @@ class ThermalModel:
                 slopes |= effect.slopes(inputs.columns, coefficients)
         return added, slopes
 
-    def own(self, coefficients: dict) -> dict:
+    def steady_coefficients(self, coefficients: dict) -> dict:
         """The coefficients of the steady model among some coefficients."""
         return {name: coefficients[name] for name in self.steady_model.coefficients}
 
@@ -479,7 +481,7 @@ def blocks(rows: int, size: int = BLOCK) -> list:
     return [slice(start, min(start + size, rows)) for start in range(0, rows, size)]
 
 
-def parts(terms: Any, rows: int) -> Any:
+def terms_on_rows(terms: Any, rows: int) -> Any:
     """Terms by name on a slice of rows."""
     return {name: column.part(rows) for name, column in terms.items()}
 

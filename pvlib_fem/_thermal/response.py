@@ -5,7 +5,14 @@ from typing import Any
 
 import numpy as np
 
-from pvlib_fem._relaxation import across, banded, gap_limit, median_step, part, solve
+from pvlib_fem._relaxation import (
+    banded,
+    gap_limit,
+    median_step,
+    rows_of,
+    solve,
+    steps_across,
+)
 
 
 @dataclass(eq=False)
@@ -39,29 +46,29 @@ class Response:
         self.count = self.rows if self.valid is None else len(self.valid)
         if not self.count:
             if started:
-                past.since[name] = since + total(steps, self.rows)
+                past.since[name] = since + duration(steps, self.rows)
             self.tau = self.steps = self.decay = self.rise = np.empty(0)
             return
         past.since[name] = 0.0
         if self.valid is not None:
             after = self.rows - 1 - self.valid[-1]
-            past.since[name] = total(steps, after)
-            steps = across(steps, self.valid)
+            past.since[name] = duration(steps, after)
+            steps = steps_across(steps, self.valid)
         if since:
             steps = np.array(np.broadcast_to(steps, self.count), dtype=float)
             steps[0] += since
-        self.steps, self.tau = steps, self.there(tau)
-        self.decay = fading(steps, self.tau, self.count, past)
+        self.steps, self.tau = steps, self.known_rows(tau)
+        self.decay = decay_weights(steps, self.tau, self.count, past)
         if not started:
             self.decay[0] = 0.0
         self.rise = 1.0 - self.decay
         self.band = banded(self.decay)
 
-    def there(self, column: float | np.ndarray) -> Any:
+    def known_rows(self, column: float | np.ndarray) -> Any:
         """A column without the missing rows; a number is returned as it is."""
-        return column if self.valid is None else part(column, self.valid)
+        return column if self.valid is None else rows_of(column, self.valid)
 
-    def spread(self, column: np.ndarray) -> Any:
+    def on_all_rows(self, column: np.ndarray) -> Any:
         """Values on all rows of the block; missing rows are NaN."""
         if self.valid is None or np.ndim(column) == 0:
             return column
@@ -83,7 +90,9 @@ class Response:
         """Response to values on the rows that are not missing."""
         return self.solve(column, self.rise * values)
 
-    def fall(self, column: str, values: np.ndarray, target: Any) -> np.ndarray:
+    def source_by_log_tau(
+        self, column: str, values: np.ndarray, target: Any
+    ) -> np.ndarray:
         """Source of the slope by the logarithm of the time constant."""
         fall = np.empty(self.count)
         fall[:1] = self.was[column]
@@ -94,14 +103,14 @@ class Response:
         return fall
 
 
-def total(steps: Any, rows: Any) -> float:
+def duration(steps: Any, rows: Any) -> float:
     """Duration of the last rows, by their steps or one even step."""
     if np.ndim(steps) == 0:
         return float(steps * rows)
     return float(np.sum(steps[len(steps) - rows :]))
 
 
-def fading(
+def decay_weights(
     steps: float | np.ndarray, tau: float | np.ndarray, rows: int, past: Past
 ) -> np.ndarray:
     """Weight of the past at each row: ``exp(-steps/tau)``, 0 after a gap."""

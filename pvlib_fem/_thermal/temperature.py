@@ -228,13 +228,16 @@ def fem_temperature(
     """
     inputs = driver_inputs(poa_global, temp_air, wind_speed, step, times)
     answer = as_function(model, coefficients)
-    states = {name: None if initial is None else state(initial, name) for name in SEEN}
+    states = {
+        name: None if initial is None else smoothing_state(initial, name)
+        for name in SEEN
+    }
     poa, wind = (
         inputs.restore(smoothed(inputs, name, tau, adjust, states[name]))
         for name in SEEN
     )
     temperature = answer(poa, inputs.restore(inputs["temp_air"]), wind)
-    return named(temperature + bias, poa_global)
+    return without_name(temperature + bias, poa_global)
 
 
 def heat_balance(
@@ -320,13 +323,13 @@ def heat_balance(
     single = np.isscalar(capacity)
     if not (single and capacity > 0):
         raise ValueError(f"capacity = {capacity} must be a positive number [J/(m² K)]")
-    r_eq = losing(chosen, inputs["wind_speed"], coefficients)
+    r_eq = checked_resistance(chosen, inputs["wind_speed"], coefficients)
     target = inputs["temp_air"] + inputs["poa_global"] * r_eq
     tau = capacity / inputs.unit * r_eq
     begin, steps = inputs.resume(initial)
     begin = None if begin is None else begin - bias
     temperature = relax(target, steps, tau, begin) + bias
-    return named(inputs.restore(temperature), poa_global)
+    return without_name(inputs.restore(temperature), poa_global)
 
 
 def driver_inputs(
@@ -348,7 +351,7 @@ def driver_inputs(
     return inputs
 
 
-def losing(
+def checked_resistance(
     chosen: SteadyModel, wind: np.ndarray | pd.Series, coefficients: dict
 ) -> np.ndarray | pd.Series:
     """
@@ -381,12 +384,12 @@ def losing(
     return r_eq
 
 
-def named(temperature: Any, like: Any) -> np.ndarray | pd.Series:
+def without_name(temperature: Any, like: Any) -> np.ndarray | pd.Series:
     """The temperature without the name of an input, as pvlib's results."""
     return temperature.rename(None) if isinstance(like, pd.Series) else temperature
 
 
-def state(initial: Any, name: Any) -> float | pd.Series:
+def smoothing_state(initial: Any, name: Any) -> float | pd.Series:
     """The state of one smoothed input."""
     if not isinstance(initial, Mapping | pd.DataFrame):
         raise ValueError(
@@ -427,7 +430,9 @@ def as_function(model: Any, coefficients: dict) -> Callable:
     if not callable(model):
         chosen = steady_model(model, coefficients)
         complete = chosen.complete(coefficients)
-        return lambda poa, air, wind: air + poa * losing(chosen, wind, complete)
+        return lambda poa, air, wind: (
+            air + poa * checked_resistance(chosen, wind, complete)
+        )
     refuse_dynamic(model)
     try:
         signature = inspect.signature(model).parameters

@@ -164,7 +164,8 @@ class Steady:
     def own(self, coefficients: dict) -> Curve:
         """The resistance of the steady model as a function of wind."""
         model = self.fit.thermal_model
-        law, own = model.steady_model, model.own(model.completed(coefficients))
+        law, completed = model.steady_model, model.completed(coefficients)
+        own = model.steady_coefficients(completed)
         return Curve(lambda wind_speed: law.resistance(wind_speed, **own))
 
     def curve(self, coefficients: dict, of: str) -> Curve:

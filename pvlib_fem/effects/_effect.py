@@ -344,7 +344,7 @@ class LinearisedEffect:
     def slopes(self, columns: Columns, coefficients: dict) -> Mapping:
         return self.units
 
-    def on(self, rows: Any) -> "LinearisedEffect":
+    def on_rows(self, rows: Any) -> "LinearisedEffect":
         """The effect on a slice of the rows."""
         return LinearisedEffect(
             self.effect, {n: unit.part(rows) for n, unit in self.units.items()}
@@ -368,7 +368,7 @@ class FixedTerms:
     def slopes(self, columns: Columns, coefficients: dict) -> Mapping:
         return self.units
 
-    def on(self, rows: Any) -> "FixedTerms":
+    def on_rows(self, rows: Any) -> "FixedTerms":
         """The effect on a slice of the rows."""
         units = {name: unit.part(rows) for name, unit in self.units.items()}
         return FixedTerms(self.effect, self.terms.part(rows), units)
@@ -435,7 +435,7 @@ def tabled(effect: Effect, columns: Columns) -> Any:
     }
     longest = max((unit.rows for unit in units.values()), default=0)
     some = slice(None, None, max(1, longest // SOME))
-    by_slopes = known.on(some).at(columns, inside)
+    by_slopes = known.on_rows(some).at(columns, inside)
     if some.step > 1:
         # a few rows suffice, unless the terms of a row depend on other rows
         thin = {name: columns[name][some] for name in effect.drivers}

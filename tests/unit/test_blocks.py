@@ -72,7 +72,7 @@ def test_blocks_are_the_whole(dynamics, effects, kind, law, rows, seed):
     """Blocks of any size continue states, slopes and the time over gaps."""
     model, values = model_of(law, dynamics, effects)
     inputs = model.with_drivers(record(kind, seed).inputs)
-    whole, slopes = model.answer(inputs, values, model.past(inputs))
+    whole, slopes = model.solve_block(inputs, values, model.past(inputs))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(thermal, "BLOCK", rows)
         found, parts = model.slopes(inputs, values)
@@ -179,7 +179,7 @@ def test_the_sums_of_a_pass_are_those_of_the_columns(kind, dynamics, monkeypatch
     counts = whole.complete_rows([*COLUMNS, *model.drivers]) & (
         whole["poa_global"] > 20
     )
-    temperature, slopes = model.answer(inputs, values, model.past(inputs))
+    temperature, slopes = model.solve_block(inputs, values, model.past(inputs))
     columns = [np.broadcast_to(slopes[n], len(counts))[counts] for n in model.free]
     rest = (whole["temp_module"] - temperature)[counts]
     monkeypatch.setattr(thermal, "BLOCK", 50)

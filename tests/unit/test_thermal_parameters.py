@@ -97,7 +97,7 @@ def fit_data(fit):
 
 def steady_part(fit):
     model = fit.thermal_model
-    return model.own(model.completed(fit.coefficients))
+    return model.steady_coefficients(model.completed(fit.coefficients))
 
 
 @pytest.mark.parametrize("model", ["faiman", "sapm"])
