@@ -33,7 +33,7 @@ from study_page import publish
 
 from pvlib_fem import datasets, fit_fem
 from pvlib_fem._parallel import spread
-from pvlib_fem._thermal_parameters.unit_mass import smoothed
+from pvlib_fem._thermal_parameters.unit_mass import prilliman_mean
 
 WORLDS = 100
 DAYS, STEP = 30, 300  # of the first module [s]
@@ -90,7 +90,7 @@ def of_mass(seed):
     data = datasets.synthetic(FINE_DAYS, FINE_STEP, "2023-04-03", seed, noise=0)
     usual = [data[name] for name in DRIVERS]
     steady = pvlib.temperature.faiman(*usual, u0, u1)
-    module = smoothed(steady, data["wind_speed"], mass)
+    module = prilliman_mean(steady, data["wind_speed"], mass)
     noisy = module + error(random, len(module), FINE_STEP, MEMORY)
     table = fit_fem(*usual, noisy, model="faiman", dynamics="balance")
     name = ("prilliman", "unit_mass")

@@ -115,13 +115,13 @@ def as_text(table: pd.DataFrame) -> str:
                 for cell, w, end in zip(shown, wide, right)
             ).rstrip()
         )
-    lines += ["", *wrapped("conditions", conditions(table))]
+    lines += ["", *wrapped_lines("conditions", conditions(table))]
     for name, words in notes(table):
-        lines += wrapped(name, words)
+        lines += wrapped_lines(name, words)
     return "\n".join(lines)
 
 
-def wrapped(name: str, words: str) -> list:
+def wrapped_lines(name: str, words: str) -> list:
     return textwrap.wrap(f"{name}: {words}", 88, subsequent_indent="  ")
 
 
@@ -160,11 +160,11 @@ def page(table: pd.DataFrame, title: str = "") -> str:
     parts: list[Block] = [paragraph(title, "plant")] if title else []
     parts += [Heading("Thermal parameters", "h1")]
     parts += [paragraph(f"They hold for {conditions(table)}.", "soft")]
-    parts += [section(name, part(table, *of)) for name, of in PARTS.items()]
+    parts += [section(name, table_part(table, *of)) for name, of in PARTS.items()]
     return document(" · ".join(filter(None, [title, "Thermal parameters"])), parts)
 
 
-def part(table: pd.DataFrame, begins: tuple, use: str) -> list:
+def table_part(table: pd.DataFrame, begins: tuple, use: str) -> list:
     """The rows of some conventions, their definitions, and their use."""
     of = [name.startswith(begins) for name in table.index.get_level_values(0)]
     own = table[of]

@@ -161,7 +161,7 @@ class Steady:
     winds: np.ndarray
     measured: Measured | None = None
 
-    def own(self, coefficients: dict) -> Curve:
+    def resistance_line(self, coefficients: dict) -> Curve:
         """The resistance of the steady model as a function of wind."""
         model = self.fit.thermal_model
         law, completed = model.steady_model, model.completed(coefficients)
@@ -171,7 +171,7 @@ class Steady:
     def curve(self, coefficients: dict, of: str) -> Curve:
         """Over-temperature per irradiance at 800 W/m², with bias and cell."""
         more = self.bias(coefficients) / NOMINAL
-        return self.own(coefficients).plus(more + self.cell(of) / 1000.0)
+        return self.resistance_line(coefficients).plus(more + self.cell(of) / 1000.0)
 
     def bias(self, coefficients: dict) -> float:
         """Bias and mean effects, added to the over-temperature at 800 W/m². [K]"""
@@ -190,7 +190,7 @@ class Steady:
     def cell(self, of: str) -> float:
         return self.deltaT or 0.0 if of == "cell" else 0.0
 
-    def seen(self, one: Convention, curve: Curve) -> tuple[Curve, np.ndarray]:
+    def at_height(self, one: Convention, curve: Curve) -> tuple[Curve, np.ndarray]:
         """A curve and the winds, at the height of a convention."""
         if one.high:
             return curve.seen_at(self.share), self.winds / self.share
@@ -198,7 +198,7 @@ class Steady:
 
     def line(self, one: Convention, coefficients: dict) -> tuple[float, float] | None:
         """The convention's line in wind by least squares; None if impossible."""
-        curve, winds = self.seen(one, self.curve(coefficients, one.of))
+        curve, winds = self.at_height(one, self.curve(coefficients, one.of))
         goal = SHAPES[one.shape]
         resistance = curve.resistance(winds)
         if not (resistance > 0.0).all():
@@ -219,8 +219,8 @@ class Steady:
     def mismatch(self, one: Convention, values: dict) -> float:
         """Largest difference from the fit at 400 to 1000 W/m² and all winds. [K]"""
         coefficients = self.fit.coefficients
-        curve = self.own(coefficients).plus(self.cell(one.of) / 1000.0)
-        curve, winds = self.seen(one, curve)
+        curve = self.resistance_line(coefficients).plus(self.cell(one.of) / 1000.0)
+        curve, winds = self.at_height(one, curve)
         own = SHAPES[one.shape].resistance(winds, {**values, **one.fixed})
         over = np.outer(SUNS, curve.resistance(winds)) + self.bias(coefficients)
         return float(np.abs(np.outer(SUNS, own) - over).max())
@@ -271,12 +271,12 @@ def steady_rows(steady: Any, chosen: list) -> Iterator:
             )
             mismatch = steady.mismatch(one, values)
             warm = OF_SENSOR if one.of == "cell" and steady.deltaT is None else ""
-            why = joined(warm, steady.effects_note)
+            why = joined_notes(warm, steady.effects_note)
         elif there:
             why = POSSIBLE
         like = dict(of=one.of, equation=one.equation, source=one.source)
         for (name, value), error in zip(values.items(), errors):
-            yield row(
+            yield parameter_row(
                 steady,
                 one.name,
                 name,
@@ -293,7 +293,7 @@ def steady_rows(steady: Any, chosen: list) -> Iterator:
             yield of_cell(steady, one.name, like)
 
 
-def joined(*notes: str) -> Any:
+def joined_notes(*notes: str) -> Any:
     """
     Notes in one line, without those that are empty.
 
@@ -308,7 +308,7 @@ def joined(*notes: str) -> Any:
     return "; ".join(filter(None, notes))
 
 
-def row(
+def parameter_row(
     steady: Any,
     convention: str,
     name: str,
@@ -322,7 +322,7 @@ def row(
     """A row of a parameter whose error is from the fit."""
     freedom = steady.fit.train_days - 1.0
     if np.isfinite(value) and not np.isfinite(error):
-        why = joined(why, NO_ERROR)
+        why = joined_notes(why, NO_ERROR)
     return Row(
         convention,
         name,
@@ -368,7 +368,9 @@ def nmot_row(steady: Any) -> Row:
         source=IEC,
     )
     why = steady.effects_note
-    return row(steady, "nmot", "of the fit", value, "°C", error, np.nan, why, like)
+    return parameter_row(
+        steady, "nmot", "of the fit", value, "°C", error, np.nan, why, like
+    )
 
 
 def memory_rows(steady: Any) -> Iterator:
@@ -397,14 +399,18 @@ def memory_rows(steady: Any) -> Iterator:
             return np.full(len(TAU_WINDS), coefficients["tau"])
         if fit.dynamics == "steady":
             return np.full(len(TAU_WINDS), np.nan)
-        return coefficients["capacity"] * steady.own(coefficients).resistance(TAU_WINDS)
+        return coefficients["capacity"] * steady.resistance_line(
+            coefficients
+        ).resistance(TAU_WINDS)
 
     def of_means(coefficients: dict) -> np.ndarray:
         # for means, tau is the mean age of the past, computed at the mean wind
         usual = taus(coefficients)[0]
         if fit.dynamics == "balance":
             at = np.nan if steady.measured is None else steady.measured.wind
-            usual = coefficients["capacity"] * steady.own(coefficients).resistance(at)
+            usual = coefficients["capacity"] * steady.resistance_line(
+                coefficients
+            ).resistance(at)
         return taus(coefficients) * (step / np.expm1(step / usual) / usual)
 
     step, tau = fit.summary.step, "tau = capacity r_eq(WS)"
@@ -424,5 +430,7 @@ def memory_rows(steady: Any) -> Iterator:
             if np.isnan(value) and fit.dynamics != "steady":
                 said = "needs the record for its mean wind; give data"
             elif value < step:
-                said = joined(why, ROUGH)
-            yield row(steady, convention, at, value, "s", error, np.nan, said, like)
+                said = joined_notes(why, ROUGH)
+            yield parameter_row(
+                steady, convention, at, value, "s", error, np.nan, said, like
+            )

@@ -11,7 +11,11 @@ from pvlib_fem._record.column_names import with_aliases
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem._thermal_parameters.given_record import Measured
 from pvlib_fem._thermal_parameters.parameter_rows import LEVEL, Row
-from pvlib_fem._thermal_parameters.steady_parameters import NO_ERROR, Steady, joined
+from pvlib_fem._thermal_parameters.steady_parameters import (
+    NO_ERROR,
+    Steady,
+    joined_notes,
+)
 
 SHARE = 0.98
 WEATHER = ("poa_global", "temp_air", "wind_speed")
@@ -55,18 +59,18 @@ def hottest_rows(
     like: dict[str, Any] = dict(of="module", equation=EQUATION, source=SOURCE)
     columns, years = dict(value=np.nan, note=why), []
     if measured is not None:
-        columns, years = of_record(measured)
+        columns, years = t98_of_record(measured)
     yield Row("T98", "of the record", unit="°C", **columns, **like)
     if typical_year is not None:
-        columns = of_weather(steady, typical_year)
+        columns = t98_of_weather(steady, typical_year)
     elif measured is not None and len(years) >= FEWEST_YEARS:
-        columns = of_years(years)
+        columns = t98_of_years(years)
     else:
         columns = dict(value=np.nan, note=NO_YEAR)
     yield Row("T98", "of a typical year", unit="°C", **columns, **like)
 
 
-def of_record(measured: Measured) -> Any:
+def t98_of_record(measured: Measured) -> Any:
     """T98 of all rows with Woodruff's range by weeks, and T98 of each whole year."""
     module = measured.series("temp_module")
     kept = module.notna().to_numpy()
@@ -76,7 +80,7 @@ def of_record(measured: Measured) -> Any:
     share = len(module) * measured.step / (days * 86400.0)
     if share < WHOLE:
         return dict(value=np.nan, note=GAPS.format(100 * share)), []
-    note, span, error = level(value), (np.nan, np.nan), np.nan
+    note, span, error = module_class_note(value), (np.nan, np.nan), np.nan
     if days < WHOLE * YEAR:
         note = f"of {days} days and not of a year; {note}"
     at, draws = share_error(module.to_numpy() > value, dates)
@@ -124,7 +128,7 @@ def whole_years(measured: Measured, module: pd.Series, dates: np.ndarray) -> lis
     return [float(one.quantile(SHARE)) for _, one in years if len(one) >= full]
 
 
-def of_years(years: list) -> Any:
+def t98_of_years(years: list) -> Any:
     """T98 of a typical year: the mean over the years of the record."""
     many, spread = len(years), np.std(years, ddof=1)
     return dict(
@@ -136,7 +140,7 @@ def of_years(years: list) -> Any:
     )
 
 
-def of_weather(steady: Any, weather: pd.DataFrame) -> Any:
+def t98_of_weather(steady: Any, weather: pd.DataFrame) -> Any:
     """T98 of a year of weather, modelled by the fit."""
     fit, model = steady.fit, steady.fit.thermal_model
     there = with_aliases(weather, (*model.usual, *model.drivers))
@@ -150,16 +154,16 @@ def of_weather(steady: Any, weather: pd.DataFrame) -> Any:
         return np.array([np.nanquantile(temperature, SHARE)])
 
     (value,), (error,) = hottest(fit.coefficients), steady.error(hottest)
-    note = f"by the fit, of the weather that was given; {level(value)}"
+    note = f"by the fit, of the weather that was given; {module_class_note(value)}"
     days = len(weather) * np.median(np.diff(weather.index)) / np.timedelta64(1, "D")
     if days < WHOLE * YEAR:
         note = f"of {days:.0f} days and not of a year; {note}"
     if not np.isfinite(error):
-        note = joined(note, NO_ERROR)
+        note = joined_notes(note, NO_ERROR)
     return dict(value=value, stderr=error, freedom=fit.train_days - 1.0, note=note)
 
 
-def level(value: float) -> Any:
+def module_class_note(value: float) -> Any:
     """The required class of modules."""
     for most, words in LEVELS.items():
         if value <= most:

@@ -62,7 +62,7 @@ NO_TEST = "no days are held out"
 NO_WIND = "needs wind, which nobody measured"
 
 
-def smoothed(
+def prilliman_mean(
     steady: pd.DataFrame, wind_speed: pd.Series, unit_mass: float
 ) -> pd.DataFrame:
     """
@@ -171,7 +171,7 @@ def unit_mass_rows(measured: Any, why: str) -> Iterator:
         measured, note = None, NO_WIND
     if measured is not None:
         given = PrillimanFit(measured)
-        best_mass, note = given.best()
+        best_mass, note = given.best_mass()
         scores = given.scores(best_mass)
         worst = scores.get("prilliman", (0.0,))[0] > scores["without memory"][0]
         note = "; ".join(filter(None, [note, WORSE * worst]))
@@ -193,7 +193,7 @@ def unit_mass_rows(measured: Any, why: str) -> Iterator:
         score, spread, days = scores.get(name, (np.nan, np.nan, np.inf))
         why_not = note or NO_TEST
         if np.isfinite(score):
-            why_not = "" if np.isfinite(spread) else few(days)
+            why_not = "" if np.isfinite(spread) else few_days_note(days)
         yield Row(
             "held-out error",
             name,
@@ -208,7 +208,7 @@ def unit_mass_rows(measured: Any, why: str) -> Iterator:
         )
 
 
-def few(days: int) -> str:
+def few_days_note(days: int) -> str:
     return f"no error: {days} days, and it needs {FEWEST_DAYS}"
 
 
@@ -260,10 +260,10 @@ class PrillimanFit:
     def smoothed(self, unit_mass: float) -> list:
         """Steady temperature and its slopes, smoothed by Prilliman's mean."""
         columns = self.table[["steady", *self.slopes]]
-        means = smoothed(columns, self.table["wind_speed"], unit_mass)
+        means = prilliman_mean(columns, self.table["wind_speed"], unit_mass)
         return [means[name] for name in columns]
 
-    def at(
+    def fit_with_mass(
         self, unit_mass: float
     ) -> tuple[np.ndarray, pd.Series, pd.Series, np.ndarray]:
         """
@@ -292,9 +292,9 @@ class PrillimanFit:
         return self.table["train"] & self.table.notna().all(axis=1)
 
     def cost(self, unit_mass: float) -> float:
-        return float((self.at(unit_mass)[2] ** 2).mean())
+        return float((self.fit_with_mass(unit_mass)[2] ** 2).mean())
 
-    def best(self) -> Any:
+    def best_mass(self) -> Any:
         """The best mass with its error, or None and the reason."""
         step = usual_step(self.table.index)
         if not step < WINDOW:
@@ -308,11 +308,11 @@ class PrillimanFit:
             return None, TOO_SLOW
         if unit_mass < EDGE:
             return None, TOO_QUICK
-        moved, modelled, residual, columns = self.at(unit_mass)
+        moved, modelled, residual, columns = self.fit_with_mass(unit_mass)
         dates = self.table["date"][residual.index].to_numpy().astype(int)
         days = len(np.unique(dates))
         if days < FEWEST_DAYS:
-            return Mass(unit_mass, np.nan, days, modelled), few(days)
+            return Mass(unit_mass, np.nan, days, modelled), few_days_note(days)
         ends = [
             self.temperature(moved, unit_mass + step) for step in (-EDGE / 2, EDGE / 2)
         ]

@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 from pvlib_fem._record.checks import usual_step
 from pvlib_fem._relaxation import ewm
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
-from pvlib_fem._thermal_parameters.unit_mass import smoothed
+from pvlib_fem._thermal_parameters.unit_mass import prilliman_mean
 from pvlib_fem.drivers._sky_deficit import STEFAN_BOLTZMANN, ZERO_CELSIUS
 from pvlib_fem.effects._effect import Parameter
 
@@ -65,7 +65,7 @@ def prilliman(
        :func:`pvlib.temperature.prilliman`.
     """
     steady = sapm(poa_global, temp_air, wind_speed, a, b)
-    return smoothed(steady, wind_speed, unit_mass) + bias
+    return prilliman_mean(steady, wind_speed, unit_mass) + bias
 
 
 def veldhuis(

@@ -26,8 +26,8 @@ from pvlib_fem._thermal_parameters.parameter_page import (
 )
 from pvlib_fem._thermal_parameters.parameter_rows import COLUMNS
 from pvlib_fem._thermal_parameters.steady_parameters import GIVEN, SUNS
-from pvlib_fem._thermal_parameters.t98 import level, share_error
-from pvlib_fem._thermal_parameters.unit_mass import smoothed
+from pvlib_fem._thermal_parameters.t98 import module_class_note, share_error
+from pvlib_fem._thermal_parameters.unit_mass import prilliman_mean
 from pvlib_fem._translation import USUAL_WINDS
 
 HEIGHT = dict(wind_height=3.0, deltaT=3.0)
@@ -261,7 +261,7 @@ def test_no_such_mass_is_taken(unit_mass):
     times = pd.date_range("2024-01-01", periods=30, freq="1min")
     flat = pd.Series(20.0, times)
     with pytest.raises(ValueError, match="Prilliman's rate is zero or negative"):
-        smoothed(flat, flat, unit_mass)
+        prilliman_mean(flat, flat, unit_mass)
 
 
 def under_prilliman(unit_mass, days=12, step=60, seed=0, noise=0.2):
@@ -271,7 +271,7 @@ def under_prilliman(unit_mass, days=12, step=60, seed=0, noise=0.2):
     random = np.random.default_rng(seed)
     error = random.normal(0.0, noise, len(data))
     return data.assign(
-        temp_module=smoothed(steady, data["wind_speed"], unit_mass) + error
+        temp_module=prilliman_mean(steady, data["wind_speed"], unit_mass) + error
     )
 
 
@@ -417,8 +417,8 @@ def test_the_error_of_t98_is_larger_where_hours_stay_alike(noise):
 
 
 def test_levels_of_iec_ts_63126():
-    assert "Level 1" in level(70.1) and "Level 2" in level(80.1)
-    assert "no level" in level(70.0) and "beyond" in level(95.0)
+    assert "Level 1" in module_class_note(70.1) and "Level 2" in module_class_note(80.1)
+    assert "no level" in module_class_note(70.0) and "beyond" in module_class_note(95.0)
 
 
 def test_a_record_without_nights_has_no_t98():
