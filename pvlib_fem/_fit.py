@@ -14,7 +14,7 @@ from pvlib_fem._fitting.fem_fit import FemFit
 from pvlib_fem._fitting.frame_rows import as_frame
 from pvlib_fem._fitting.least_squares_fit import fit_source
 from pvlib_fem._fitting.parquet_fit import fit_files, in_files
-from pvlib_fem._fitting.search import holding
+from pvlib_fem._fitting.search import with_fixed
 from pvlib_fem._loop.planes import plane_of_columns, with_given
 from pvlib_fem._loop.replacements import Replacements
 from pvlib_fem._record.column_names import ALWAYS, COLUMNS, by_own_names, with_aliases
@@ -160,7 +160,7 @@ def fit_fem(
        :doi:`10.22541/au.166922866.68736478`
     """
     fixed = keys_in_new_names(fixed) if fixed else fixed
-    target = holding(
+    target = with_fixed(
         thermal_model(model, dynamics, map(find, several(effects))), fixed or {}
     )
     drivers = by_own_names(drivers)

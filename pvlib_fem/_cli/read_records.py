@@ -24,7 +24,7 @@ from pvlib_fem._cli.option_texts import (
 )
 from pvlib_fem._cli.printing import Otherwise, Refused, note, safe, say, waiting
 from pvlib_fem._cli.proposal import ANEW, check_columns, command, proposal, shell_words
-from pvlib_fem._fitting.stand_ins import chosen
+from pvlib_fem._fitting.stand_ins import stand_in_names
 from pvlib_fem._loop.replacements import Replacements
 from pvlib_fem._record.checks import datetime_steps
 from pvlib_fem._record.column_names import ALWAYS, COLUMNS, numeric
@@ -64,7 +64,7 @@ def needed_by(
     """
     usual = COLUMNS if steady_model(model).takes_wind else ALWAYS
     # those that the fit looks for, or makes
-    made = [*chosen(stand_ins), *(["poa_global"] if transposition else [])]
+    made = [*stand_in_names(stand_ins), *(["poa_global"] if transposition else [])]
     return [name for name in usual if name not in made]
 
 

@@ -25,7 +25,7 @@ class DailySums:
     winds: tuple  # mean and spread of the wind, weighted by irradiance squared [m/s]
 
 
-def errors(
+def standard_errors(
     target: ThermalModel, daily: DailySums, at_bound: tuple, notes: list
 ) -> dict:
     """
@@ -70,10 +70,10 @@ def errors(
     seen = np.flatnonzero(np.diag(daily.sums.whole)[:-1] > 0.0)
     names, sums = [daily.names[place] for place in seen], daily.sums.of_columns(seen)
     if nothing := [name for name in daily.names if name not in names]:
-        notes.append(f"the error is NaN: {undetermined(nothing)}")
+        notes.append(f"the error is NaN: {undetermined_note(nothing)}")
     _, unknown = directions(sums.whole[:-1, :-1])
     if tied := tied_names(names, unknown):
-        notes.append(f"errors are NaN: {undetermined(tied)}")
+        notes.append(f"errors are NaN: {undetermined_note(tied)}")
         return stderr
     alone, memory = np.diag(sums.by_day()), daily_memory(sums)
     error = np.sqrt(alone + memory.variance)
@@ -90,7 +90,7 @@ def correlation(daily: Any, stderr: dict) -> pd.DataFrame:
     daily : DailySums or None
         At the minimum; None if the fit has none.
     stderr : dict
-        Standard errors of :func:`errors`.
+        Standard errors of :func:`standard_errors`.
 
     Returns
     -------
@@ -126,7 +126,7 @@ def memory_notes(names: list, times: np.ndarray, memory: DailyMemory) -> Iterato
     yield note
 
 
-def undetermined(names: list) -> str:
+def undetermined_note(names: list) -> str:
     hint = "" if all("." in name for name in names) else " (does wind_speed vary?)"
     return f"the record does not determine {' and '.join(names)}{hint}"
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from pvlib_fem._fitting.row_source import EvalRequest, Rows
-from pvlib_fem._fitting.search import searching
+from pvlib_fem._fitting.search import search_stage
 from pvlib_fem._statistics.leastsquares import FLAT, Minimum, minima_of
 from pvlib_fem._thermal.model import INSTANT, ThermalModel
 
@@ -21,7 +21,7 @@ def needed(step: str, rows: int, parameters: int) -> None:
         )
 
 
-def planned(target: ThermalModel) -> list:
+def planned_stages(target: ThermalModel) -> list:
     """
     The steps of a fit, from the steady model to the last effect.
 
@@ -52,7 +52,7 @@ def planned(target: ThermalModel) -> list:
 
 def planned_effects(target: ThermalModel) -> list:
     """The steps of a fit that add an effect."""
-    return [step for step in planned(target) if step[1].effects]
+    return [step for step in planned_stages(target) if step[1].effects]
 
 
 def stages_of(source: Any, target: ThermalModel) -> tuple[ThermalModel, dict, Minimum]:
@@ -81,8 +81,8 @@ def stages_of(source: Any, target: ThermalModel) -> tuple[ThermalModel, dict, Mi
         If there are no more rows than coefficients.
     """
     needed("least squares", source.count, len(target.free))
-    plain = [step for step in planned(target) if not step[1].effects]
-    starts, more = source.begun(target), bool(target.effects)
+    plain = [step for step in planned_stages(target) if not step[1].effects]
+    starts, more = source.search_start(target), bool(target.effects)
     stages, minimum, starts = source.minima(plain, starts, final=not more)
     if not more:
         return target, stages, minimum
@@ -101,7 +101,7 @@ def flatness(steps: list, final: bool) -> dict:
     Parameters
     ----------
     steps : list of tuple
-        Steps of :func:`planned`.
+        Steps of :func:`planned_stages`.
     final : bool
         Whether the last of them is the last of the fit, which is searched to the end.
 
@@ -124,9 +124,9 @@ def with_effects(
     has the model's own coefficients, and the model is fitted once more. The first item
     that ``fit`` returns are the steps.
     """
-    target = replace(target, base=public(*last(stages)))
+    target = replace(target, base=public_coefficients(*last_stage(stages)))
     fitted = fit(target)
-    own = target.rebased(public(target, last(fitted[0])[1]))
+    own = target.rebased(public_coefficients(target, last_stage(fitted[0])[1]))
     return own, fitted if own is target else fit(own)
 
 
@@ -139,7 +139,7 @@ def minima(source: Any, steps: list, starts: dict, flat: dict) -> dict:
     source : Source
         The rows.
     steps : list of tuple
-        Steps of :func:`planned`.
+        Steps of :func:`planned_stages`.
     starts : dict of dict
         Coefficients at which each step's search starts, by the name of the step.
     flat : dict
@@ -150,11 +150,11 @@ def minima(source: Any, steps: list, starts: dict, flat: dict) -> dict:
     -------
     dict of tuple
         :class:`Minimum` and coefficients of each step as the search varies them, see
-        :func:`natural`, by the name of the step.
+        :func:`natural_coefficients`, by the name of the step.
     """
     models = {name: (model, rows) for name, model, rows, _ in steps}
     searches = {
-        name: searching(model, source, starts[name], biased, flat[name])
+        name: search_stage(model, source, starts[name], biased, flat[name])
         for name, model, _, biased in steps
     }
 
@@ -191,13 +191,13 @@ def minimise(
     -------
     Minimum, dict
         The minimum, and the coefficients as the search varies them, see
-        :func:`natural`.
+        :func:`natural_coefficients`.
     """
     steps = [("", model, "train", biased)]
     return minima(source, steps, {"": start}, {"": flat})[""]
 
 
-def last(stages: dict) -> tuple[ThermalModel, dict]:
+def last_stage(stages: dict) -> tuple[ThermalModel, dict]:
     """
     Model and coefficients of the last step.
 
@@ -214,7 +214,7 @@ def last(stages: dict) -> tuple[ThermalModel, dict]:
     return list(stages.values())[-1]
 
 
-def public(model: ThermalModel, coefficients: dict) -> dict:
+def public_coefficients(model: ThermalModel, coefficients: dict) -> dict:
     """
     Coefficients that unpack into the temperature function of the dynamics.
 

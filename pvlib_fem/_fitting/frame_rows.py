@@ -12,7 +12,7 @@ from pvlib_fem._fitting.fem_fit import FemFit, of_rows
 from pvlib_fem._fitting.fit_stages import flatness, minima, minimise
 from pvlib_fem._fitting.holdout import held_out
 from pvlib_fem._fitting.row_source import Rows
-from pvlib_fem._fitting.search import natural, with_tables
+from pvlib_fem._fitting.search import natural_coefficients, with_tables
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.filters import counted
 from pvlib_fem._record.inputs import Record, as_record
@@ -42,12 +42,12 @@ class Frame(Rows):
         return cls(record, counts & ~out, test=counts & out, out=out, night=night)
 
     @cached_property
-    def kept(self) -> dict:
+    def row_masks(self) -> dict:
         """Masks of the rows, by purpose."""
         complete = np.isfinite(sum(self.record[name] for name in COLUMNS)) & ~self.out
         return {"train": self.counts, "test": self.test, "complete": complete}
 
-    def begun(self, target: ThermalModel) -> dict:
+    def search_start(self, target: ThermalModel) -> dict:
         """Start of the first step's search."""
         return {name: row.start for name, row in target.parameters.items()}
 
@@ -61,38 +61,40 @@ class Frame(Rows):
         is nearly equal on a part of the rows, so steps without effects are searched on
         a part first.
         """
-        flat, whole = flatness(steps, final), self.known(steps[-1][1])
+        flat, whole = flatness(steps, final), self.with_model_drivers(steps[-1][1])
         stages, thin, some, before = {}, start, None, None
         for name, model, which, biased in steps:
             if which != before:
-                some = None if model.effects else self.thin(which)
+                some = None if model.effects else self.thinned_rows(which)
                 before = which
             if some:
                 last, (_, thin) = thin, minimise(model, some, thin, biased, ROUGHER)
                 start = {n: value + thin[n] - last[n] for n, value in start.items()}
             step = (name, with_tables(model, whole.record), which, biased)
             minimum, start = minima(whole, [step], {name: start}, flat)[name]
-            stages[name] = (model, natural(model, start)[0])
+            stages[name] = (model, natural_coefficients(model, start)[0])
         return stages, minimum, start
 
-    def thin(self, which: str) -> Any:
+    def thinned_rows(self, which: str) -> Any:
         """A part of the rows that count for a purpose; None if they are few."""
-        return Rows(self.record, self.kept[which]).thinned()
+        return Rows(self.record, self.row_masks[which]).thinned()
 
-    def known(self, model: ThermalModel) -> "Frame":
+    def with_model_drivers(self, model: ThermalModel) -> "Frame":
         """The source, completed by the drivers of a model's effects."""
         if not model.effects:
             return self
         inputs = model.with_drivers(self.record.inputs)
         return replace(self, record=replace(self.record, inputs=inputs), divided={})
 
-    def ended(self, requests: dict, last: str, names: tuple) -> tuple[DailySums, dict]:
+    def result_parts(
+        self, requests: dict, last: str, names: tuple
+    ) -> tuple[DailySums, dict]:
         """Daily sums of the last step, and the attributes of a result from the rows."""
         whole, temperature = (
-            self.known(requests[last].model),
+            self.with_model_drivers(requests[last].model),
             np.empty(len(self.counts)),
         )
-        table, daily = whole.ends(requests, last, names, temperature)
+        table, daily = whole.scores_and_sums(requests, last, names, temperature)
         own = of_rows(whole.record, temperature, self.counts, self.test, self.out)
         return daily, {**own, "scores": table}
 

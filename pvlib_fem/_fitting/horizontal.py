@@ -148,7 +148,9 @@ class InPlane:
     transposition: str
 
     def __call__(self, columns: Any, index: Any) -> Any:
-        light = {n: within(n, columns[n]) for n in ("ghi", *PARTS) if n in columns}
+        light = {
+            n: possible_values(n, columns[n]) for n in ("ghi", *PARTS) if n in columns
+        }
         return in_plane(light, index, self.place, self.transposition).to_numpy()
 
 
@@ -189,7 +191,7 @@ def files_in_plane(
     needs = {name: source.columns[name] for name in parts}
     sums = Sums(MEANS, 1.0)
     for block in source.blocks(["ghi"]):
-        sums.add(block.index, {"ghi": within("ghi", block["ghi"])})
+        sums.add(block.index, {"ghi": possible_values("ghi", block["ghi"])})
     means = sums.inputs()
     times = pd.DatetimeIndex(means.index)
     horizontal = (means.columns["ghi"], times, place["location"], 0.0, 180.0)
@@ -250,7 +252,7 @@ def with_plane(
     parts = ("ghi", *PARTS) if is_split(columns) else ("ghi",)
     light, notes = {}, [words_of(columns, transposition)]
     for name in parts:
-        light[name], more = cleaned(name, columns, limits, check_units)
+        light[name], more = cleaned_irradiance(name, columns, limits, check_units)
         notes += more
     if check_clock:
         horizontal = (light["ghi"].to_numpy(), index, place["location"], 0.0, 180.0)
@@ -279,7 +281,9 @@ def refuse_clock(faults: Any) -> None:
         raise ValueError(f"ghi cannot be transposed: {why}")
 
 
-def again(columns: dict, index: pd.Index, place: dict, transposition: str) -> dict:
+def transposed_again(
+    columns: dict, index: pd.Index, place: dict, transposition: str
+) -> dict:
     """
     Columns with ``poa_global`` for further data, transposed as in the fit.
 
@@ -313,11 +317,11 @@ def again(columns: dict, index: pd.Index, place: dict, transposition: str) -> di
         )
     check_transposition(transposition, place)
     names = ("ghi", *PARTS) if is_split(columns) else ("ghi",)
-    light = {name: within(name, columns[name]) for name in names}
+    light = {name: possible_values(name, columns[name]) for name in names}
     return {**columns, LIGHT: in_plane(light, index, place, transposition)}
 
 
-def within(name: str, column: Any) -> Any:
+def possible_values(name: str, column: Any) -> Any:
     """A column with NaN instead of impossible values."""
     low, high, _ = possible_range(name)
     known = (column >= low) & (column <= high)
@@ -326,7 +330,7 @@ def within(name: str, column: Any) -> Any:
     return np.where(known, column, np.nan)
 
 
-def cleaned(name: str, columns: Any, limits: Any, check_units: bool) -> Any:
+def cleaned_irradiance(name: str, columns: Any, limits: Any, check_units: bool) -> Any:
     """A column of irradiance without implausible values, and notes on these."""
     if name not in numeric(columns):
         raise ValueError(f"{name} is not numeric, or infinite; give it as numbers")

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from pvlib_fem._fitting.daily import errors
+from pvlib_fem._fitting.daily import standard_errors
 from pvlib_fem._fitting.fem_fit import FemFit, of_rows
-from pvlib_fem._fitting.fit_stages import last, public, stages_of
+from pvlib_fem._fitting.fit_stages import last_stage, public_coefficients, stages_of
 from pvlib_fem._fitting.row_source import EvalRequest
 from pvlib_fem._fitting.time_constant import memory_notes
 from pvlib_fem._record.inputs import Record
@@ -33,9 +33,12 @@ def fit_source(source: Any, target: ThermalModel, notes: list) -> Any:
     """
     target, stages, minimum = stages_of(source, target)
     at_bound = tuple(np.array(target.free)[minimum.at_bound].tolist())
-    coefficients, names = last(stages)[1], [n for n in target.free if n not in at_bound]
-    daily, own = source.ended(*requests_of(stages), tuple(names))
-    stderr = errors(target, daily, at_bound, notes)
+    coefficients, names = (
+        last_stage(stages)[1],
+        [n for n in target.free if n not in at_bound],
+    )
+    daily, own = source.result_parts(*requests_of(stages), tuple(names))
+    stderr = standard_errors(target, daily, at_bound, notes)
     days = own["train_days"]
     notes += memory_notes(source, target, coefficients, stderr, at_bound, days)
     notes += source.notes(target)
@@ -73,7 +76,7 @@ def requests_of(stages: dict) -> tuple[dict, str]:
     return models, final
 
 
-def finished(
+def fit_result(
     target: ThermalModel,
     record: Record,
     temperature: np.ndarray,
@@ -132,7 +135,7 @@ def of_minimum(
     dict
         Arguments of :class:`FemFit`.
     """
-    coefficients = public(target, searched)
+    coefficients = public_coefficients(target, searched)
     return dict(
         model=target.steady_model.name,
         dynamics=target.dynamics,

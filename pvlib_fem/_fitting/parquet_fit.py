@@ -12,14 +12,14 @@ from pvlib_fem._fitting.fem_fit import FemFit
 from pvlib_fem._fitting.fit_stages import (
     flatness,
     minima,
-    planned,
+    planned_stages,
     stages_of,
 )
 from pvlib_fem._fitting.frame_rows import Frame
 from pvlib_fem._fitting.holdout import NONE_OUT, days_out
 from pvlib_fem._fitting.least_squares_fit import fit_source
 from pvlib_fem._fitting.parquet_rows import Files, first_pass, screened_for
-from pvlib_fem._fitting.search import as_searched, natural
+from pvlib_fem._fitting.search import as_searched, natural_coefficients
 from pvlib_fem._fitting.streamed_lags import means_note
 from pvlib_fem._record.file_summary import Summary
 from pvlib_fem._record.filters import counted
@@ -181,10 +181,10 @@ def fit_files(
     """
     screened = screened_for(source, target, limits, check_units)
     files, notes = first_pass(screened, target, night), list(screened.notes)
-    return fitted(files.without(dates_out(files, holdout, notes)), target, notes)
+    return fit_in_files(files.without(dates_out(files, holdout, notes)), target, notes)
 
 
-def fitted(files: Files, target: ThermalModel, notes: list) -> FileFit:
+def fit_in_files(files: Files, target: ThermalModel, notes: list) -> FileFit:
     """
     Fit a record in files on the days that are not held out.
 
@@ -281,7 +281,7 @@ class InFiles:
         """Mean wind speed of the record. [m/s]"""
         return self.files.wind
 
-    def begun(self, target: ThermalModel) -> dict:
+    def search_start(self, target: ThermalModel) -> dict:
         """Start of each step's search: the minimum on means, or the default start."""
         means, out = self.files.means, np.isin(self.files.means.dates, self.files.out)
         rows = np.array(counted(means.inputs.columns, self.night))
@@ -294,7 +294,7 @@ class InFiles:
         usual = {name: row.start for name, row in target.parameters.items()}
         return {
             name: as_searched(*stages[name]) if name in stages else usual
-            for name, *_ in planned(target)
+            for name, *_ in planned_stages(target)
         }
 
     def minima(
@@ -303,14 +303,17 @@ class InFiles:
         """Models and coefficients of some steps, the last minimum, and the starts."""
         by_step = minima(self.files, steps, starts, flatness(steps, final))
         stages = {
-            n: (model, natural(model, by_step[n][1])[0]) for n, model, *_ in steps
+            n: (model, natural_coefficients(model, by_step[n][1])[0])
+            for n, model, *_ in steps
         }
         return stages, by_step[steps[-1][0]][0], starts
 
-    def ended(self, requests: dict, last: str, names: tuple) -> tuple[DailySums, dict]:
+    def result_parts(
+        self, requests: dict, last: str, names: tuple
+    ) -> tuple[DailySums, dict]:
         """Daily sums of the last step, and the attributes of a result from the rows."""
         files, means = self.files, self.files.means
-        table, daily = files.ends(requests, last, names)
+        table, daily = files.scores_and_sums(requests, last, names)
         out = pd.Series(np.isin(means.dates, files.out), means.index, name="holdout")
         return daily, dict(
             scores=table,

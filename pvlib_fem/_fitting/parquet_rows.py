@@ -8,7 +8,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._fitting.pass_state import BlockRows, Gaps, by_day, even, rows_that_count
+from pvlib_fem._fitting.pass_state import (
+    BlockRows,
+    Gaps,
+    by_day,
+    rows_that_count,
+    with_even_steps,
+)
 from pvlib_fem._fitting.row_source import EvalRequest, Part, Source, temperature_of
 from pvlib_fem._fitting.streamed_lags import MEANS, Held, with_a_past
 from pvlib_fem._record.column_names import COLUMNS
@@ -104,7 +110,7 @@ class Files(Source):
         pasts = {key: self.past(one.model) for key, one in requests.items()}
         bases = Bases(self, requests.values())
         for start, inputs in self.inputs(requests.values()):
-            rows, dates = self.kept(start, len(inputs.index))
+            rows, dates = self.block_masks(start, len(inputs.index))
             for piece in blocks(len(inputs.index), self.at_once):
                 here = bases.added_to(inputs.part(piece))
                 given = {}
@@ -120,7 +126,7 @@ class Files(Source):
         """Rows that are solved at a time."""
         return AT_ONCE if uses_compiled_loops(len(self.clean), ()) else BLOCK
 
-    def quick(self, model: Any) -> Any:
+    def uses_compiled_loops(self, model: Any) -> Any:
         """Whether the compiled loops can solve a model with known terms."""
         return uses_compiled_loops(len(self.clean), model.effects)
 
@@ -139,13 +145,15 @@ class Files(Source):
         request, past = EvalRequest(model, coefficients), self.past(model)
         bases = Bases(self, [request])
         for block in self.clean.blocks():
-            inputs, temperatures = even(block), []
+            inputs, temperatures = with_even_steps(block), []
             for part in blocks(len(block), self.at_once):
                 here = bases.added_to(inputs.part(part))
                 own = model.with_drivers(here), coefficients
                 known = model.with_known_terms(*own, False)
                 given = (*own, past)
-                temperatures.append(temperature_of(known, given, self.quick(known)))
+                temperatures.append(
+                    temperature_of(known, given, self.uses_compiled_loops(known))
+                )
             yield block.index, block["temp_module"] - np.concatenate(temperatures)
 
     def inputs(self, requests: Iterable) -> Iterator:
@@ -153,7 +161,7 @@ class Files(Source):
         sparse = all(seen.steps is not None for seen in self.seen.values())
         if not sparse or any(one.model.effects for one in requests):
             for block in self.clean.blocks():
-                yield block.start, even(block)
+                yield block.start, with_even_steps(block)
             return
         unit = self.screened.look.unit
         for start, columns in self.clean.values():
@@ -161,9 +169,9 @@ class Files(Source):
             steps = self.seen[start].steps_of(rows)
             yield start, Inputs(columns, steps, unit, pd.RangeIndex(rows), True)
 
-    def kept(self, start: int, rows: int) -> tuple[dict, np.ndarray]:
+    def block_masks(self, start: int, rows: int) -> tuple[dict, np.ndarray]:
         """Masks of the rows of a block by purpose, and their dates."""
-        complete, counts, dates = self.seen[start].on(rows)
+        complete, counts, dates = self.seen[start].masks(rows)
         fitted = ~self.held_out(dates)
         kept = {"complete": complete & fitted, "train": counts & fitted}
         return kept | {"test": counts & ~fitted}, dates
@@ -273,7 +281,7 @@ def first_pass(screened: Any, target: ThermalModel, night: bool) -> Files:
         rows, dates = rows_that_count(block, night, drivers), block.dates
         complete = np.isfinite(sum(block[name] for name in COLUMNS))
         seen[block.start] = BlockRows.from_masks(
-            complete, rows, dates, even(block).steps
+            complete, rows, dates, with_even_steps(block).steps
         )
         by_day(table, dates, rows, block["poa_global"] ** 2, speed)
     totals = np.array([table[date] for date in sorted(table)]).reshape(-1, 4)

@@ -47,7 +47,7 @@ class BlockRows:
         steps[others] = values
         return steps
 
-    def on(self, rows: int) -> tuple:
+    def masks(self, rows: int) -> tuple:
         """Masks of complete rows and of rows that count, and the dates of the rows."""
         bits = (np.unpackbits(b, count=rows) for b in (self.complete, self.counts))
         return *(b.view(bool) for b in bits), np.repeat(self.days, self.rows)
@@ -135,7 +135,7 @@ def by_day(
         table[date] = table.get(date, 0.0) + sums[:, day]
 
 
-def even(block: Block) -> Inputs:
+def with_even_steps(block: Block) -> Inputs:
     """
     Inputs of a block; equal steps become one number.
 

@@ -7,7 +7,7 @@ import pandas as pd
 from scipy.stats import t as student
 
 from pvlib_fem._fitting.daily import directions, tied_names
-from pvlib_fem._fitting.tangent_shift import R_EQ, Minimum, in_time, moved
+from pvlib_fem._fitting.tangent_shift import R_EQ, Minimum, in_time, shifted_numbers
 from pvlib_fem._fitting.time_constant import lag
 from pvlib_fem._statistics.clusters import (
     FEWEST_DAYS,
@@ -141,13 +141,13 @@ def in_period(minimum: Minimum, days: np.ndarray) -> dict:
             **dict(zip(NUMBERS, own.tolist())),
             "unit": unit,
             "days": len(days),
-            "why": reason(minimum, len(days), name in tied and tied, own),
+            "why": nan_reason(minimum, len(days), name in tied and tied, own),
         }
         for (name, unit), own in zip(units.items(), numbers.T)
     }
 
 
-def reason(minimum: Minimum, days: int, tied: Any, numbers: np.ndarray) -> str:
+def nan_reason(minimum: Minimum, days: int, tied: Any, numbers: np.ndarray) -> str:
     """Why a number is NaN; empty if none is."""
     value, error, *_ = numbers
     if days < FEWEST_DAYS:
@@ -164,7 +164,7 @@ def reason(minimum: Minimum, days: int, tied: Any, numbers: np.ndarray) -> str:
 def estimates(minimum: Any, days: np.ndarray) -> tuple[np.ndarray, list]:
     """Values, errors and intervals of a period, and the undetermined names."""
     shift, covariance, clusters, tied = solution(minimum, days)
-    value, slopes, gain = moved(minimum, shift)
+    value, slopes, gain = shifted_numbers(minimum, shift)
     error = np.sqrt(np.einsum("ij,jk,ik->i", slopes, covariance, slopes))
     reach = student.ppf(0.5 + LEVEL / 2, clusters - 1) * error
     numbers = np.stack([value, error, value - reach, value + reach])

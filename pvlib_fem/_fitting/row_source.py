@@ -79,7 +79,7 @@ class Compiled:
     measured: np.ndarray  # of all rows of the block
     dates: np.ndarray  # of all rows of the block
 
-    def summed(
+    def products_by_part(
         self, names: Sequence, firsts: np.ndarray | tuple = (), into: Any = None
     ) -> np.ndarray:
         """Products over parts that start at 0 and ``firsts``; ``into``: temperature."""
@@ -91,7 +91,7 @@ class Compiled:
         return total[:, kept][:, :, kept]
 
     def products(self, names: list) -> np.ndarray:
-        return self.summed(names).sum(axis=0)
+        return self.products_by_part(names).sum(axis=0)
 
     def by_day(
         self, names: tuple, into: np.ndarray | None = None
@@ -99,7 +99,7 @@ class Compiled:
         rows = np.flatnonzero(self.counts)
         dates = self.dates[rows]
         first, _ = date_starts(dates)
-        total = self.summed(names, rows[first][1:], into)
+        total = self.products_by_part(names, rows[first][1:], into)
         return dates[first], total[: len(first)]
 
 
@@ -121,9 +121,7 @@ class Part:
     dates: np.ndarray
     counts: Mapping  # masks of the rows, by purpose
 
-    def answered(
-        self, model: ThermalModel, given: tuple, which: str, quick: bool
-    ) -> Any:
+    def solve(self, model: ThermalModel, given: tuple, which: str, quick: bool) -> Any:
         """Temperature and slopes of a model on the rows that count."""
         counts = self.counts[which]
         if quick:
@@ -153,7 +151,7 @@ class Source:
         @property
         def winds(self) -> Any: ...
 
-    def quick(self, model: ThermalModel) -> Any:
+    def uses_compiled_loops(self, model: ThermalModel) -> Any:
         """Whether the compiled loops can solve a model with known terms."""
         raise NotImplementedError
 
@@ -178,13 +176,13 @@ class Source:
         total = {key: np.zeros((len(names[key]) + 1,) * 2) for key in requests}
         for part, given in self.parts(requests):
             for key, (model, own) in given.items():
-                answer = part.answered(
-                    model, own, requests[key].rows, self.quick(model)
+                answer = part.solve(
+                    model, own, requests[key].rows, self.uses_compiled_loops(model)
                 )
                 total[key] += answer.products(names[key])
         return {key: Normal.from_products(matrix) for key, matrix in total.items()}
 
-    def ends(
+    def scores_and_sums(
         self,
         requests: Any,
         last: str,
@@ -214,10 +212,10 @@ class Source:
             train, test = part.counts["train"], part.counts["test"]
             rows = {"train": np.flatnonzero(train), "test": np.flatnonzero(test)}
             for key, (model, own) in given.items():
-                quick = self.quick(model)
+                quick = self.uses_compiled_loops(model)
                 if key == last:
                     modelled = np.empty(len(part.dates))
-                    answer = part.answered(model, own, "train", quick)
+                    answer = part.solve(model, own, "train", quick)
                     by_day.append(answer.by_day(names, modelled))
                     if temperature is not None:
                         temperature[first:end] = modelled
@@ -295,24 +293,24 @@ class Rows(Source):
         return float(mean), float(np.sqrt((weight * (wind - mean) ** 2).sum() / total))
 
     @property
-    def kept(self) -> dict:
+    def row_masks(self) -> dict:
         """Masks of the rows, by purpose."""
         return {"train": self.counts}
 
-    def quick(self, model: Any) -> Any:
+    def uses_compiled_loops(self, model: Any) -> Any:
         """Whether the compiled loops can solve a model with known terms."""
         return uses_compiled_loops(len(self.record.index), model.effects)
 
     def parts(self, requests: Any) -> Any:
         """The record in blocks; see :meth:`Source.parts`."""
-        inputs, dates, kept = self.record.inputs, self.record.dates, self.kept
+        inputs, dates, kept = self.record.inputs, self.record.dates, self.row_masks
         pasts = {key: one.model.past(inputs) for key, one in requests.items()}
         known = {
             key: one.model.with_known_terms(inputs, one.coefficients, one.wanted)
             for key, one in requests.items()
         }
         size = len(inputs.index)
-        if not all(map(self.quick, known.values())):
+        if not all(map(self.uses_compiled_loops, known.values())):
             size = BLOCK
         elif len(requests) > 1 or inputs.columns.narrow or known_effects(known):
             size = AT_ONCE  # terms and widened columns would take too much memory
@@ -393,7 +391,7 @@ def daily_sums(
     for part, given in source.parts({"": EvalRequest(model, coefficients)}):
         first, end = end, end + len(part.dates)
         known, own = given[""]
-        answer = part.answered(known, own, "train", source.quick(known))
+        answer = part.solve(known, own, "train", source.uses_compiled_loops(known))
         sums_by_part.append(
             answer.by_day(names, None if into is None else into[first:end])
         )

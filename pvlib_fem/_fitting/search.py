@@ -16,7 +16,7 @@ from pvlib_fem.effects._effect import tabled
 TURNS = 3  # searches at most, if the bounds depend on the minimum
 
 
-def holding(model: ThermalModel, fixed: Mapping) -> ThermalModel:
+def with_fixed(model: ThermalModel, fixed: Mapping) -> ThermalModel:
     """
     The model with held coefficients.
 
@@ -35,12 +35,12 @@ def holding(model: ThermalModel, fixed: Mapping) -> ThermalModel:
     Raises
     ------
     ValueError
-        See :func:`possible`.
+        See :func:`checked_fixed`.
     """
-    return replace(model, held=possible(model, fixed))
+    return replace(model, held=checked_fixed(model, fixed))
 
 
-def possible(model: ThermalModel, fixed: Mapping) -> dict:
+def checked_fixed(model: ThermalModel, fixed: Mapping) -> dict:
     """
     The coefficients to hold, checked by name and range.
 
@@ -92,7 +92,7 @@ def possible(model: ThermalModel, fixed: Mapping) -> dict:
     return held
 
 
-def searching(
+def search_stage(
     model: ThermalModel, source: Any, start: dict, biased: bool, flat: float
 ) -> Any:
     """
@@ -129,7 +129,7 @@ def searching(
     """
     names = [name for name in model.free if biased or name != "bias"]
     places = [list(model.parameters).index(name) for name in names]
-    views = [view(model, source, start, name) for name in names]
+    views = [search_coordinate(model, source, start, name) for name in names]
 
     def searched(x: np.ndarray) -> Any:
         values = (one.from_search(value) for one, value in zip(views, x.tolist()))
@@ -145,7 +145,7 @@ def searching(
         try:
             x = next(search)
             while True:
-                coefficients, chain = natural(model, searched(x))
+                coefficients, chain = natural_coefficients(model, searched(x))
                 chain[:, places] *= [one.slope(value) for one, value in zip(views, x)]
                 sums = yield coefficients, names
                 # chain rule: a share moves with its whole, a time constant with its age
@@ -154,7 +154,9 @@ def searching(
             minimum = end.value
         best_coefficients = searched(minimum.x)
         # the least capacity that a step resolves depends on the fitted resistance
-        again = [view(model, source, best_coefficients, name) for name in names]
+        again = [
+            search_coordinate(model, source, best_coefficients, name) for name in names
+        ]
         if not any(
             stays and one.lower < best_coefficients[name]
             for stays, name, one in zip(minimum.at_bound, names, again)
@@ -164,17 +166,17 @@ def searching(
     return minimum, best_coefficients
 
 
-def view(
+def search_coordinate(
     model: ThermalModel, source: Any, start: dict, name: str
 ) -> IdentityCoordinate | Lag:
     """Search coordinate and lower bound of a coefficient."""
-    lower = max(model.parameters[name].lower, least(model, name))
+    lower = max(model.parameters[name].lower, lower_bound(model, name))
     if name not in MEMORY[model.dynamics]:
         return IdentityCoordinate(lower)
-    return lag(model, natural(model, start)[0], source.step, source.wind)
+    return lag(model, natural_coefficients(model, start)[0], source.step, source.wind)
 
 
-def least(model: ThermalModel, name: str) -> float:
+def lower_bound(model: ThermalModel, name: str) -> float:
     """Lower bound of a coefficient, given a held share of it."""
     return max(
         (
@@ -186,7 +188,7 @@ def least(model: ThermalModel, name: str) -> float:
     )
 
 
-def tables(effects: tuple, record: Record) -> tuple:
+def linearised_effects(effects: tuple, record: Record) -> tuple:
     """
     The effects, with linear ones replaced by their slopes on a record.
 
@@ -221,10 +223,12 @@ def with_tables(model: ThermalModel, record: Record) -> ThermalModel:
     ThermalModel
         For the rows of this record alone.
     """
-    return replace(model, effects=tables(model.effects, record))
+    return replace(model, effects=linearised_effects(model.effects, record))
 
 
-def natural(model: ThermalModel, searched: dict) -> tuple[dict[str, float], np.ndarray]:
+def natural_coefficients(
+    model: ThermalModel, searched: dict
+) -> tuple[dict[str, float], np.ndarray]:
     """
     Coefficients from those with shares, and the Jacobian of that map.
 
@@ -243,7 +247,7 @@ def natural(model: ThermalModel, searched: dict) -> tuple[dict[str, float], np.n
         Slope of each coefficient, by row, by each searched one, by column.
     """
     names = list(model.parameters)
-    values = {**{name: searched[name] for name in names}, **held(model)}
+    values = {**{name: searched[name] for name in names}, **held_coefficients(model)}
     chain = np.eye(len(names))
     for i, (name, row) in enumerate(model.parameters.items()):
         if row.share_of is not None and name not in model.held:
@@ -268,7 +272,7 @@ def as_searched(model: ThermalModel, coefficients: dict) -> dict:
     Returns
     -------
     dict
-        The inverse of :func:`natural`.
+        The inverse of :func:`natural_coefficients`.
     """
     return {
         name: coefficients[name] / (coefficients[row.share_of] if row.share_of else 1.0)
@@ -276,6 +280,6 @@ def as_searched(model: ThermalModel, coefficients: dict) -> dict:
     }
 
 
-def held(model: ThermalModel) -> dict:
+def held_coefficients(model: ThermalModel) -> dict:
     """Held coefficients of a model, without its constants."""
     return {n: value for n, value in model.held.items() if n in model.parameters}

@@ -44,18 +44,18 @@ class StandIn:
     offset: float = 0.0
     every: float = 0.0
 
-    def into(self, columns: Any) -> Any:
+    def fill_columns(self, columns: Any) -> Any:
         """Columns with the gaps of the usual column filled from the other."""
         if self.column not in columns:
             return columns
-        other = between(columns[self.column], self.every)
+        other = interpolated_column(columns[self.column], self.every)
         other = self.factor * other + self.offset
         known = columns.get(self.usual)
         filled = other if known is None else known.where(known.notna(), other)
         return {**columns, self.usual: filled}
 
 
-def between(column: Any, every: Any) -> Any:
+def interpolated_column(column: Any, every: Any) -> Any:
     """A column, interpolated between values that are usually ``every`` s apart."""
     known = column.dropna()
     if not every or len(known) < 2:
@@ -133,14 +133,14 @@ def fill_record(
     they then differ by 0.29 K (root mean square of 1,296 rows)
     """
     columns, _, notes = with_stand_ins(with_aliases(data, ()), stand_ins, limits)
-    own = chosen(stand_ins)
+    own = stand_in_names(stand_ins)
     away = [name for name in own.values() if name not in columns]
     data = data.drop(columns=away).assign(**{n: columns[n] for n in own})
     data.attrs = {**data.attrs, "notes": notes}
     return data
 
 
-def chosen(names: Any) -> dict:
+def stand_in_names(names: Any) -> dict:
     """
     The column that stands in for each usual one.
 
@@ -184,7 +184,7 @@ def with_stand_ins(columns: Any, names: Any, limits: Any = None) -> Any:
     columns : dict of pandas.Series, shape (rows,)
         Columns by name.
     names : str or sequence of str
-        See :func:`chosen`.
+        See :func:`stand_in_names`.
     limits : Limits, optional
         Thresholds of the screening.
 
@@ -193,7 +193,7 @@ def with_stand_ins(columns: Any, names: Any, limits: Any = None) -> Any:
     dict of pandas.Series, tuple of StandIn, tuple of str
     """
     stand_ins, notes = [], []
-    for usual, name in chosen(names).items():
+    for usual, name in stand_in_names(names).items():
         there = numeric({n: columns[n] for n in (usual, name) if n in columns})
         if name not in there:
             raise ValueError(
@@ -202,10 +202,10 @@ def with_stand_ins(columns: Any, names: Any, limits: Any = None) -> Any:
             )
         clean = {}
         for one in there:
-            clean[one], more = cleaned(columns[one], one, usual, limits)
+            clean[one], more = cleaned_stand_in(columns[one], one, usual, limits)
             notes += more
         one, filled, said = level_of(clean, usual, name)
-        columns = one.into({**columns, **clean})
+        columns = one.fill_columns({**columns, **clean})
         if filled:  # a column that fills another cannot cross-check it
             columns.pop(name)
         notes.append(said)
@@ -223,7 +223,7 @@ def refuse_unlike(known: Any, other: Any) -> None:
         )
 
 
-def cleaned(column: Any, name: str, usual: Any, limits: Any) -> Any:
+def cleaned_stand_in(column: Any, name: str, usual: Any, limits: Any) -> Any:
     """A column without implausible values, and notes on these."""
     screened = screen_record(pd.DataFrame({usual: column}), limits)
     lines = [line for line in screened.notes if line.startswith(usual)]
@@ -241,7 +241,7 @@ def level_of(columns: Any, usual: Any, name: str) -> Any:
     if known is None or known.isna().all():
         words = f"there is no {usual}: {name} stands in for it{lines}"
         return StandIn(usual, name, every=every), len(other), words
-    filled = int((known.isna() & between(other, every).notna()).sum())
+    filled = int((known.isna() & interpolated_column(other, every).notna()).sum())
     both = known.notna() & other.notna()
     if both.sum() < FEWEST:
         raise ValueError(

@@ -31,7 +31,7 @@ class Minimum:
     def memory(self) -> list:
         return [n for n in self.names if n in MEMORY[self.model.dynamics]]
 
-    def at(self, names: list) -> list:
+    def places_of(self, names: list) -> list:
         """Places of some coefficients in a solution."""
         return [self.names.index(name) for name in names]
 
@@ -42,7 +42,7 @@ class Minimum:
         return ({R_EQ: "K m²/W"} if self.steady else {}) | units
 
 
-def moved(minimum: Minimum, shift: np.ndarray) -> Any:
+def shifted_numbers(minimum: Minimum, shift: np.ndarray) -> Any:
     """
     Numbers of the table by shifts along the tangents, their slopes, and the gain.
 
@@ -69,14 +69,14 @@ def moved(minimum: Minimum, shift: np.ndarray) -> Any:
     own = np.array([minimum.coefficients[name] for name in minimum.names])
     value, slopes, gain = own + shift, np.eye(len(shift)), 1.0
     if minimum.steady:
-        at = minimum.at(minimum.steady)
+        at = minimum.places_of(minimum.steady)
         value[at], slopes[np.ix_(at, at)] = in_resistance(minimum, shift[at])
         winds = minimum.daily.winds[:1]
         before, by = (part[0] for part in resistances(minimum, own[at], winds))
         gain = 1.0 + by @ shift[at] / before
         mean = np.zeros(len(shift))
         mean[at] = by
-    for name, place in zip(minimum.memory, minimum.at(minimum.memory)):
+    for name, place in zip(minimum.memory, minimum.places_of(minimum.memory)):
         value[place], slopes[place, place] = in_age(minimum, name, shift[place], gain)
     if minimum.steady:
         value, slopes = np.append(before * gain, value), np.vstack([mean, slopes])

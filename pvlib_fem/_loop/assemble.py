@@ -9,8 +9,8 @@ import pandas as pd
 from pvlib_fem import scores
 from pvlib_fem._budget.error_budget import budget_of, episodes_of
 from pvlib_fem._findings import PREDICTED, Finding
-from pvlib_fem._fitting.daily import errors
-from pvlib_fem._fitting.least_squares_fit import finished
+from pvlib_fem._fitting.daily import standard_errors
+from pvlib_fem._fitting.least_squares_fit import fit_result
 from pvlib_fem._loop.conclude import hints, in_the_model, not_seen
 from pvlib_fem._loop.divided_record import BASES, FEWEST_FITTING_DAYS, Case
 from pvlib_fem._loop.loop_result import Loop
@@ -60,14 +60,14 @@ def outcome(search: "Search", last: Step, base: str) -> Loop:
     notes: list[str] = []
     record = case.placed_for(case.whole, last.model.drivers)
     at_bound, daily = last.at_bound, search.fits.daily(last)
-    stderr = errors(last.model, daily, at_bound, notes)
+    stderr = standard_errors(last.model, daily, at_bound, notes)
     tables = repeatable(search, last)
     patterns = tuple(Pattern.from_table(table, record.index) for table in tables)
     steps = dict(search.steps)
     if patterns and case.enough:
         steps[PREDICTED] = with_patterns(case, last, patterns)
     table = error_table(case, steps)
-    fit = finished(
+    fit = fit_result(
         last.model,
         record,
         last.temperature,

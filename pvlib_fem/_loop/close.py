@@ -11,7 +11,7 @@ from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem._findings import CORRECTED, Check, Correction, Finding
 from pvlib_fem._fitting.parquet_fit import in_files
-from pvlib_fem._fitting.stand_ins import chosen
+from pvlib_fem._fitting.stand_ins import stand_in_names
 from pvlib_fem._loop.assemble import outcome
 from pvlib_fem._loop.conclude import finding_of, refused
 from pvlib_fem._loop.correct_clock import module_clock
@@ -254,7 +254,7 @@ def searched(
                 how["holdout"] = on_days(how["holdout"], frame.index)
         else:  # anything but a frame is refused below
             frame = cast(pd.DataFrame, data)
-        others = chosen(how["instead"].stand_ins) if "instead" in how else {}
+        others = stand_in_names(how["instead"].stand_ins) if "instead" in how else {}
         plain.refuse_without_wind({**with_aliases(frame, ()), **others})
         frame, site = with_given(frame, place)
         spared: list[int] = []

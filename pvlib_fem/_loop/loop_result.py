@@ -14,7 +14,7 @@ from pvlib_fem._correction.correct_record import corrected_record
 from pvlib_fem._correction.corrected_record import CorrectedRecord
 from pvlib_fem._findings import Correction, Finding, Kind
 from pvlib_fem._fitting.fem_fit import FemFit
-from pvlib_fem._fitting.horizontal import again
+from pvlib_fem._fitting.horizontal import transposed_again
 from pvlib_fem._fitting.stand_ins import StandIn
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
@@ -553,8 +553,8 @@ class Loop:
         """The columns of ``data`` with what stood in for others in this loop."""
         columns = with_aliases(data, ())
         for one in self.stand_ins:
-            columns = one.into(columns)
-        return again(columns, data.index, place, self.transposition)
+            columns = one.fill_columns(columns)
+        return transposed_again(columns, data.index, place, self.transposition)
 
     def whole(self, data: pd.DataFrame) -> pd.DataFrame:
         """``data`` with those columns."""

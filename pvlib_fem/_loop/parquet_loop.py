@@ -9,7 +9,7 @@ import pandas as pd
 from pvlib.pvsystem import SingleAxisTrackerMount
 
 from pvlib_fem._findings import Check, Finding
-from pvlib_fem._fitting.parquet_fit import FileFit, fitted, given_days
+from pvlib_fem._fitting.parquet_fit import FileFit, fit_in_files, given_days
 from pvlib_fem._fitting.parquet_rows import first_pass
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.divided_record import STEP_PRESENT, Case
@@ -160,7 +160,7 @@ class OwnSteps:
             record = record.with_columns(turning)
         files = first_pass(replace(screened, record=record), target, night=True)
         out = np.unique(case.whole.dates[case.parts != Part.FITTING])
-        return fitted(files.without(out), target, list(screened.notes))
+        return fit_in_files(files.without(out), target, list(screened.notes))
 
     def confirmed(self, loop: "Loop") -> "Loop":
         """The loop with the fit to the own steps, and a note on it."""

@@ -11,7 +11,11 @@ from pvlib_fem import scores
 from pvlib_fem._fitting.daily import DailySums
 from pvlib_fem._fitting.fit_stages import minimise
 from pvlib_fem._fitting.row_source import Rows, daily_sums
-from pvlib_fem._fitting.search import natural, possible, tables
+from pvlib_fem._fitting.search import (
+    checked_fixed,
+    linearised_effects,
+    natural_coefficients,
+)
 from pvlib_fem._loop.divided_record import BASES, Case
 from pvlib_fem._loop.tangents import Evidence, gather
 from pvlib_fem._record.inputs import Inputs, Record
@@ -133,7 +137,9 @@ class Fits:
         record, tabled = self.prepared(case.record, model)
         rows = case.searched & record.complete_rows(model.drivers)
         # a tangent may lead where there is no temperature
-        tried = tabled.temperature(record.inputs, natural(model, {**at, **start})[0])
+        tried = tabled.temperature(
+            record.inputs, natural_coefficients(model, {**at, **start})[0]
+        )
         if np.isfinite(tried[rows]).all():
             at = {**at, **start}
         minimum, at = minimise(tabled, Rows(record, rows), at, biased, ROUGH)
@@ -149,7 +155,7 @@ class Fits:
                 minimum, at = minimise(tabled, source, at, biased, CLOSE)
         names = model.free[: len(minimum.x)]
         bound = tuple(n for n, there in zip(names, minimum.at_bound) if there)
-        coefficients, daily = natural(model, at)[0], None
+        coefficients, daily = natural_coefficients(model, at)[0], None
         if source is not None and model.effects:
             # of which all is at hand, and may be let go
             temperature = np.empty(len(record.index))
@@ -222,7 +228,7 @@ class Fits:
             if effect.name in tabled and tabled[effect.name][0] is effect:
                 continue
             made = with_drivers(larger, model, effect)
-            tabled[effect.name] = (effect, *tables((effect,), made))
+            tabled[effect.name] = (effect, *linearised_effects((effect,), made))
             columns = made.inputs.columns
             if place == "whole" and tabled[effect.name][1] is not effect:
                 # the table replaces its drivers, which are as many rows again
@@ -283,4 +289,4 @@ def check_held(steady_model: SteadyModel, case: Case) -> None:
             "dynamics; hold one of them",
         )
     dynamics = "balance" if {*MEMORY["balance"]} & {*case.fixed} else "ewm"
-    possible(ThermalModel(steady_model, dynamics, case.wanted), case.fixed)
+    checked_fixed(ThermalModel(steady_model, dynamics, case.wanted), case.fixed)

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._fitting.horizontal import files_in_plane, with_plane
-from pvlib_fem._fitting.stand_ins import StandIn, chosen, with_stand_ins
+from pvlib_fem._fitting.stand_ins import StandIn, stand_in_names, with_stand_ins
 from pvlib_fem._record.column_names import with_aliases
 from pvlib_fem._record.parquet import ParquetRecord
 from pvlib_fem.drivers._transposition import PARTS
@@ -44,7 +44,7 @@ class Replacements:
         calm: bool = False,
     ) -> Self:
         """The replacements by the arguments of :func:`close_loop`."""
-        return cls(transposition or "", tuple(chosen(stand_ins).values()), calm)
+        return cls(transposition or "", tuple(stand_in_names(stand_ins).values()), calm)
 
     def filled(
         self,
@@ -108,7 +108,7 @@ class Replacements:
         if transposed:
             source = files_in_plane(source, place, self.transposition, limits)
         standing = []
-        for usual, name in chosen(self.stand_ins).items():
+        for usual, name in stand_in_names(self.stand_ins).items():
             source = instead_of(source, usual, name)
             standing.append(StandIn(usual, name))
         sky = self.transposition if transposed else ""

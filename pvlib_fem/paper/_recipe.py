@@ -7,7 +7,7 @@ import pandas as pd
 
 from pvlib_fem import scores
 from pvlib_fem._fitting.fem_fit import FemFit
-from pvlib_fem._fitting.fit_stages import last
+from pvlib_fem._fitting.fit_stages import last_stage
 from pvlib_fem._fitting.least_squares_fit import of_minimum, requests_of
 from pvlib_fem._record.column_names import COLUMNS, DAYLIGHT
 from pvlib_fem._record.filters import night
@@ -93,7 +93,10 @@ def fit_paper(
     """
     train, kept = frame.counts, ~frame.out
     stages = paper_stages(target, frame.record, train, kept, calm_wind, offset, notes)
-    coefficients, own = last(stages)[1], frame.ended(*requests_of(stages), ())[1]
+    coefficients, own = (
+        last_stage(stages)[1],
+        frame.result_parts(*requests_of(stages), ())[1],
+    )
     notes.append("no errors: the paper's recipe gives none")
     return FemFit(
         **of_minimum(

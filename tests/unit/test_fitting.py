@@ -12,7 +12,7 @@ from scipy.signal import lfilter
 
 import pvlib_fem as fem
 from pvlib_fem import datasets
-from pvlib_fem._fitting.search import natural
+from pvlib_fem._fitting.search import natural_coefficients
 from pvlib_fem._record.inputs import Inputs, Record
 from pvlib_fem._statistics.leastsquares import descent
 from pvlib_fem._thermal.model import MEMORY, ThermalModel
@@ -390,13 +390,15 @@ def test_the_search_sees_the_share_and_the_user_the_number(model):
     held = {"module_efficiency": 0.2} if model == "noct_sam" else {}
     target = ThermalModel(STEADY_MODELS[model], "ewm", held=held)
     searched = {name: row.start for name, row in target.parameters.items()}
-    values, chain = natural(target, searched)
+    values, chain = natural_coefficients(target, searched)
     steady_model = {name: values[name] for name in target.steady_model.coefficients}
     assert target.steady_model.complete(steady_model) == steady_model
     names = list(target.parameters)
     assert names
     for i, name in enumerate(names):
-        moved, _ = natural(target, {**searched, name: searched[name] + 1e-6})
+        moved, _ = natural_coefficients(
+            target, {**searched, name: searched[name] + 1e-6}
+        )
         change = [(moved[n] - values[n]) / 1e-6 for n in names]
         np.testing.assert_allclose(change, chain[:, i], atol=1e-6)
 
