@@ -229,7 +229,7 @@ def fit_power(
             "them as Series with one"
         )
     poa, temp, given = (inputs[name] for name in columns)
-    return fitted(poa, temp, given, days_of(inputs.index))
+    return fit_power_arrays(poa, temp, given, days_of(inputs.index))
 
 
 def days_of(index: Any) -> pd.Index:
@@ -255,7 +255,7 @@ def seasonal(day: np.ndarray) -> np.ndarray:
     return np.stack(cycles, axis=-1)
 
 
-def fitted(
+def fit_power_arrays(
     poa: np.ndarray, temp: np.ndarray, power: np.ndarray, day: np.ndarray | pd.Index
 ) -> PowerRelation:
     """

@@ -146,7 +146,7 @@ def scores_of(error: Any, part: Any) -> Any:
     return tally.scores(part)
 
 
-def tallying() -> dict:
+def new_error_sums() -> dict:
     """
     Running sums of the errors of one model, on fitting days and on test days.
 
@@ -158,14 +158,14 @@ def tallying() -> dict:
     return {"train": ErrorSums(), "test": ErrorSums()}
 
 
-def scored(tallies: dict) -> pd.DataFrame:
+def score_table(tallies: dict) -> pd.DataFrame:
     """
     A row of scores for each model.
 
     Parameters
     ----------
     tallies : dict of dict of ErrorSums
-        From :func:`tallying`, by name of the model.
+        From :func:`new_error_sums`, by name of the model.
 
     Returns
     -------

@@ -11,7 +11,12 @@ from scipy.ndimage import median_filter
 from pvlib_fem._budget.stretch_noise import DayNoise, Noise
 from pvlib_fem._budget.unusual_days import AROUND
 from pvlib_fem._converter import AnyFloat
-from pvlib_fem.drivers._plant_irradiance import LEAST, NONE, agree, lost
+from pvlib_fem.drivers._plant_irradiance import (
+    LEAST,
+    NONE,
+    irradiances_agree,
+    lost_irradiance,
+)
 
 FEWEST = 2  # least hours of an event: one hour may have two states
 FAINT, DIM = 0.05, 20.0  # least difference of irradiance, as a share and in W/m²
@@ -182,7 +187,7 @@ class Deciding:
     @classmethod
     def from_hours(cls, hours: Hours, spread: float, shares: dict) -> "Deciding":
         seen = hours.seen
-        far = ~agree(seen, hours.shown, spread)
+        far = ~irradiances_agree(seen, hours.shown, spread)
         apart = hours.beyond_usual((hours.shown - seen) / np.fmax(seen, LEAST))
         shown = np.where(far, hours.shown, seen * (1.0 + apart))
         faint = np.abs(shown - seen) > np.maximum(max(FAINT, 2.0 * spread) * seen, DIM)
@@ -250,7 +255,9 @@ class Deciding:
 
     def cold(self, some: slice) -> float:
         """Temperature by irradiance that the modules lose. [K]"""
-        return -self.makes("modules_covered", lost(self.hours.seen, self.shown), some)
+        return -self.makes(
+            "modules_covered", lost_irradiance(self.hours.seen, self.shown), some
+        )
 
     def makes(self, name: str, light: np.ndarray, some: slice) -> float:
         """What so much light does to the module, over a stretch. [K]"""

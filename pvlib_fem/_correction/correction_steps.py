@@ -19,7 +19,7 @@ from pvlib_fem._correction.repairs import (
 from pvlib_fem._record.column_names import ORIGINAL
 from pvlib_fem._record.header_units import QUANTITIES, UNITS, own_unit
 from pvlib_fem._record.inputs import read
-from pvlib_fem.drivers import MEASURED, behind, completed
+from pvlib_fem.drivers import MEASURED, derive_drivers, underived
 from pvlib_fem.effects._effect import Effect, Terms
 from pvlib_fem.quality._clock_changes import wall_time
 from pvlib_fem.quality._lag import by_module_logger
@@ -228,7 +228,7 @@ class Work:
 
     def missing(self, effect: Effect, repair: Repair) -> str:
         """Say which columns of a correction are missing; "" if none is."""
-        needed = {repair.column, *behind(effect.drivers)} & {*MEASURED, *SOUND}
+        needed = {repair.column, *underived(effect.drivers)} & {*MEASURED, *SOUND}
         if repair.column == "temp_module":
             needed.add("temp_air")
         missing = [name for name in sorted(needed) if name not in self.columns]
@@ -237,11 +237,11 @@ class Work:
     def terms(self, effect: Effect, coefficients: dict) -> Terms:
         """Terms of a fault on the rows; of the air's, by each W/m² that air brings."""
         # a change of constant size is of no column, and still has the times
-        used = {*behind(effect.drivers)} & {*self.columns} or {*self.columns}
+        used = {*underived(effect.drivers)} & {*self.columns} or {*self.columns}
         columns = {name: self.columns[name] for name in sorted(used)}
         inputs = read(columns, purpose="a corrected record")
         inputs = inputs.having({"air_base": np.ones(len(self.data))})
-        return effect.at(completed(inputs, effect.drivers).columns, coefficients)
+        return effect.at(derive_drivers(inputs, effect.drivers).columns, coefficients)
 
     def done(self) -> CorrectedRecord:
         """The corrected record."""

@@ -206,7 +206,7 @@ class Source:
         -------
         DataFrame, DailySums
         """
-        tallies, by_day, end = {key: scores.tallying() for key in requests}, [], 0
+        tallies, by_day, end = {key: scores.new_error_sums() for key in requests}, [], 0
         for part, given in self.parts(requests):
             first, end = end, end + len(part.dates)
             train, test = part.counts["train"], part.counts["test"]
@@ -225,7 +225,7 @@ class Source:
                 for which, at in rows.items():
                     tallies[key][which].add(error[at])
         sums = cluster_sums_of(*joined_products(by_day), self.count)
-        return scores.scored(tallies), DailySums(names, sums, self.winds)
+        return scores.score_table(tallies), DailySums(names, sums, self.winds)
 
 
 def temperature_of(

@@ -13,11 +13,11 @@ from pvlib_fem._record.parquet import Block
 from pvlib_fem._record.streamed_columns import StreamedColumns
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers import (
-    behind,
-    completed,
+    derive_drivers,
+    drivers_with_memory,
     lost_without,
-    remembered,
     short_memory,
+    underived,
 )
 
 MEANS = 60.0  # s, shortest step of a record whose rows are all held
@@ -35,7 +35,7 @@ class Held:
     @classmethod
     def for_drivers(cls, drivers: list, usual: float) -> Any:
         """The columns that lagged drivers need; none if the usual step is shorter."""
-        return cls(tuple(behind(of_means(drivers))) if usual >= MEANS else ())
+        return cls(tuple(underived(of_means(drivers))) if usual >= MEANS else ())
 
     def add(self, block: Block) -> None:
         """Add the rows of a block."""
@@ -70,19 +70,21 @@ def with_a_past(inputs: Inputs, drivers: list) -> Iterator:
         Drivers with a short memory, computed from the rows block by block; and those
         with a long memory, from ``inputs``.
     """
-    names = remembered(drivers)
+    names = drivers_with_memory(drivers)
     memories = {name: short_memory(name) or 0.0 for name in names}
     if short := [name for name, memory in memories.items() if memory]:
         reach = FORGOTTEN * max(memories[name] for name in short)
-        yield StreamedColumns(tuple(short), tuple(behind(short)), completed, reach)
+        yield StreamedColumns(
+            tuple(short), tuple(underived(short)), derive_drivers, reach
+        )
     if long := of_means(drivers):
         made_of = {name: lost_without(name) for name in long}
-        yield JoinedColumns.from_inputs(completed(inputs, long), long, made_of)
+        yield JoinedColumns.from_inputs(derive_drivers(inputs, long), long, made_of)
 
 
 def of_means(drivers: list) -> list:
     """Lagged drivers with a memory so long that means of short steps suffice."""
-    return [name for name in remembered(drivers) if not short_memory(name)]
+    return [name for name in drivers_with_memory(drivers) if not short_memory(name)]
 
 
 def means_note(target: ThermalModel, files: Any) -> list:

@@ -24,7 +24,7 @@ from pvlib_fem._record.resampling import Sums
 from pvlib_fem._statistics.clusters import root_of_decrease
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers._mounts import by_night
-from pvlib_fem.drivers._planes import ANGLES, ByColumns, rotated
+from pvlib_fem.drivers._planes import ANGLES, ByColumns, angles_of_rotation
 from pvlib_fem.quality._parquet_screen import Screened, screened_blocks
 from pvlib_fem.quality._tracker_standstill import Standing
 from pvlib_fem.reasons import Because, Reason, because
@@ -205,7 +205,7 @@ class Turning:
         """The angles at the times of inputs that have the sun, level by night."""
         zenith, azimuth = (inputs[name] for name in GEOMETRY[:2])
         if self.described:
-            angles = rotated(inputs[ROTATION], self.described)
+            angles = angles_of_rotation(inputs[ROTATION], self.described)
         elif isinstance(self.mount, ByColumns):
             angles = inputs.columns
         else:

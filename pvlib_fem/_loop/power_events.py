@@ -9,10 +9,10 @@ from pvlib_fem._budget.covers_and_outages import Hours, event_table, events_in
 from pvlib_fem._record.column_names import plant_power
 from pvlib_fem._record.inputs import Inputs
 from pvlib_fem._thermal.model import ThermalModel
-from pvlib_fem.drivers import completed
+from pvlib_fem.drivers import derive_drivers
 from pvlib_fem.drivers._plant_irradiance import light_shown
 from pvlib_fem.effects import find
-from pvlib_fem.power import fitted
+from pvlib_fem.power import fit_power_arrays
 from pvlib_fem.scores import row_hours
 
 if TYPE_CHECKING:
@@ -45,10 +45,10 @@ def events_of(fits: "Fits", step: "Step") -> pd.DataFrame:
     record, model = fits.prepared(case.whole, step.model)
     (_, off) = find({"name": "outage", "source": powers[0]}).drivers
     inputs = model.with_base(record.inputs, ["temp_base", "loss_base"])
-    inputs = completed(inputs, [off, "day"])
+    inputs = derive_drivers(inputs, [off, "day"])
     given = [inputs[n] for n in ("poa_global", "temp_base", powers[0], "day")]
     try:
-        relation = fitted(*(column[case.fitting] for column in given))
+        relation = fit_power_arrays(*(column[case.fitting] for column in given))
     except ValueError:  # no power on the fitting weeks
         return event_table([])
     residual = step.measured - without_power(step, model, inputs)

@@ -13,7 +13,7 @@ from pvlib_fem._record.inputs import Inputs, read
 from pvlib_fem._statistics.axes import CLOCK, Axis, calendar_of
 from pvlib_fem._statistics.tables import Table, cell_numbers
 from pvlib_fem._thermal.model import as_in_a_fit
-from pvlib_fem.drivers import behind, completed
+from pvlib_fem.drivers import derive_drivers, underived
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +124,7 @@ def behind_patterns(patterns: tuple[Pattern, ...]) -> list[str]:
     -------
     list of str
     """
-    return behind(drivers_of(patterns))
+    return underived(drivers_of(patterns))
 
 
 def errors_by(
@@ -156,7 +156,9 @@ def errors_by(
     """
     there = {name: column for name, column in columns.items() if column is not None}
     if fallback:
-        patterns = tuple(one for one in patterns if {*behind(one.drivers)} <= {*there})
+        patterns = tuple(
+            one for one in patterns if {*underived(one.drivers)} <= {*there}
+        )
     if lacking := [n for n in behind_patterns(patterns) if n not in there]:
         raise ValueError(
             f"data lack {', '.join(lacking)}, which unexplained patterns of this loop "
@@ -167,5 +169,5 @@ def errors_by(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the model has warned of impossible values
         inputs = as_in_a_fit(read({COLUMNS[2]: 0.0, **there}, purpose="a pattern"))
-    inputs = completed(inputs, drivers_of(patterns))
+    inputs = derive_drivers(inputs, drivers_of(patterns))
     return pd.DataFrame({one.name: one.at(inputs) for one in patterns}, inputs.index)

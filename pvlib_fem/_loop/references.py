@@ -19,7 +19,7 @@ from pvlib_fem._loop.noise import density
 from pvlib_fem._record.column_names import is_power, twin_of
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.clusters import WEEK, cluster_sums
-from pvlib_fem.drivers import completed
+from pvlib_fem.drivers import derive_drivers
 from pvlib_fem.drivers._mounts import angles_at
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import (
@@ -496,7 +496,7 @@ def compared(
 
     def light(effect: Effect, size: float) -> np.ndarray:
         # only the record of a loop has candidates
-        columns = completed(cast(Record, record).inputs, effect.drivers).columns
+        columns = derive_drivers(cast(Record, record).inputs, effect.drivers).columns
         terms = effect.at(columns, dict.fromkeys(effect.rows(), size))
         heat = np.broadcast_to(terms.heat, len(kept))
         more, whole = (

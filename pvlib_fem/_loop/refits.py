@@ -23,7 +23,7 @@ from pvlib_fem._spelling import FIXED, refusal
 from pvlib_fem._statistics.clusters import FOLDS, days_of_folds
 from pvlib_fem._thermal.model import MEMORY, ThermalModel
 from pvlib_fem._thermal.steady_models import SteadyModel
-from pvlib_fem.drivers import MODELLED, behind, completed, is_modelled
+from pvlib_fem.drivers import MODELLED, derive_drivers, is_modelled, underived
 from pvlib_fem.effects._effect import Effect, LinearisedEffect
 
 ROUGH, CLOSE = 1e-7, 1e-3  # relative fall of the cost that ends a coarse, a full fit
@@ -260,7 +260,7 @@ class Fits:
 def with_drivers(record: Record, model: ThermalModel, effect: Effect) -> Record:
     """A record with the drivers of an effect of a model."""
     inputs, alone = record.inputs, replace(model, effects=(effect,))
-    if needed := {*MODELLED} & {*behind(effect.drivers)}:
+    if needed := {*MODELLED} & {*underived(effect.drivers)}:
         inputs = model.with_base(inputs, needed)  # by all effects that the model has
     return replace(record, inputs=alone.with_drivers(inputs))
 
@@ -276,7 +276,7 @@ def with_measured(inputs: Inputs, effects: Iterable[Effect]) -> Inputs:
         wide = effect.scanned_from or effect
         names = [name for name in wide.drivers if not is_modelled([name])]
         with suppress(Exception):  # which is reported where the effect is tested
-            inputs = completed(inputs, names)
+            inputs = derive_drivers(inputs, names)
     return inputs
 
 

@@ -13,7 +13,7 @@ from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.axes import PAST, axes, calendar_of
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem._statistics.tables import Cells, Table, axes_and_pairs, largest_table
-from pvlib_fem.drivers import behind, completed
+from pvlib_fem.drivers import derive_drivers, underived
 from pvlib_fem.reasons import Reason, because
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ def places_of(
     record: Record, rows: np.ndarray, hours: Hours, drivers: tuple
 ) -> dict[str, np.ndarray]:
     """Mean of each driver in cells of an hour, NaN with a gap, and their calendar."""
-    inputs = completed(record.inputs, list(PAST))
+    inputs = derive_drivers(record.inputs, list(PAST))
     names = {*COLUMNS[:3], *GEOMETRY, *drivers, *PAST} & {*inputs.columns}
     # predictions from weather have no power
     names = {name for name in names if not is_power(name)}
@@ -123,8 +123,8 @@ def with_patterns(case: "Case", step: "Step", patterns: tuple[Pattern, ...]) -> 
     Step
     """
     drivers = drivers_of(patterns)
-    record = case.placed_for(case.whole, behind(drivers))
-    inputs = completed(record.inputs, drivers)
+    record = case.placed_for(case.whole, underived(drivers))
+    inputs = derive_drivers(record.inputs, drivers)
     added = np.sum([one.at(inputs) for one in patterns], axis=0)
     return replace(step, temperature=step.temperature + added)
 

@@ -16,7 +16,7 @@ from pvlib_fem._loop.references import GAMMA, bright
 from pvlib_fem._loop.weeks import Part
 from pvlib_fem._record.column_names import is_power
 from pvlib_fem._statistics.clusters import calendar_weeks
-from pvlib_fem.drivers import completed
+from pvlib_fem.drivers import derive_drivers
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import number, written
 
@@ -131,7 +131,7 @@ def daily_gains(
     """
     record = case.record
     total: dict[int, float] = {}
-    columns = completed(record.inputs, effect.drivers).columns
+    columns = derive_drivers(record.inputs, effect.drivers).columns
     heat = np.nan_to_num(effect.at(columns, dict.fromkeys(effect.rows(), size)).heat)
     poa = record["poa_global"]
     warm = 1.0 + GAMMA * (record["temp_air"] + WARMS * poa - 25.0)

@@ -11,7 +11,7 @@ from pvlib_fem._record.inputs import Columns, Inputs, Record
 from pvlib_fem._relaxation import FADED, relax
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem._thermal.model import ThermalModel
-from pvlib_fem.drivers import completed, needed_for
+from pvlib_fem.drivers import derive_drivers, needed_for
 from pvlib_fem.effects._effect import Effect, Terms, tabled
 from pvlib_fem.effects._time_profiles import scaled_terms, weights_of
 from pvlib_fem.reasons import Because, Reason, because
@@ -267,7 +267,7 @@ def ready(
     for effect in candidates:
         try:
             if effect.prepare:
-                dated = completed(inputs, ["day"])
+                dated = derive_drivers(inputs, ["day"])
                 effect = effect.prepare(dated.columns, seen)
             wide, name = effect.scanned_from or effect, effect.name
             if effect.dates:

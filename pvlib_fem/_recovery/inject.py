@@ -17,7 +17,7 @@ from pvlib_fem._record.column_names import printable
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._recovery.draw import Injection
 from pvlib_fem._thermal.model import ThermalModel
-from pvlib_fem.drivers import completed, needed_for
+from pvlib_fem.drivers import derive_drivers, needed_for
 from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import weights_of
@@ -63,7 +63,7 @@ class Injector:
         if effect.prepare:
             there = replace(self.model, effects=(effect,)).with_drivers(record.inputs)
             rows = np.ones(len(record.index), dtype=bool)
-            there = completed(there, ["day"])
+            there = derive_drivers(there, ["day"])
             effect = effect.prepare(there.columns, rows)
         model = replace(self.model, effects=(*self.model.effects, effect))
         parts = (injection.coefficients, effect.start)

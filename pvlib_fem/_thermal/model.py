@@ -25,7 +25,13 @@ from pvlib_fem._thermal.dynamics import balanced, resistance, smoothed, steady
 from pvlib_fem._thermal.response import Past
 from pvlib_fem._thermal.steady_models import STEADY_MODELS, SteadyModel, steady_model
 from pvlib_fem._thermal.temperature import TAU, checked_resistance
-from pvlib_fem.drivers import MODELLED, behind, completed, needed_for, remembered
+from pvlib_fem.drivers import (
+    MODELLED,
+    derive_drivers,
+    drivers_with_memory,
+    needed_for,
+    underived,
+)
 from pvlib_fem.effects._effect import Effect, Parameter, Terms, is_there, known
 from pvlib_fem.quality._outliers import out_of_range
 
@@ -103,7 +109,7 @@ class ThermalModel:
     @property
     def usual(self) -> tuple:
         """The usual drivers on which the model depends; wind is not always one."""
-        takes = self.steady_model.takes_wind or WIND in behind(self.effect_drivers)
+        takes = self.steady_model.takes_wind or WIND in underived(self.effect_drivers)
         return tuple(name for name in COLUMNS[:3] if takes or name != WIND)
 
     @property
@@ -113,10 +119,10 @@ class ThermalModel:
 
     def with_drivers(self, inputs: Inputs) -> Any:
         """The inputs, completed by the derived columns that the effects need."""
-        needed = {*MODELLED} & {*behind(self.effect_drivers)}
+        needed = {*MODELLED} & {*underived(self.effect_drivers)}
         if not needed <= {*inputs.columns}:
             inputs = self.with_base(inputs, needed)
-        return completed(inputs, self.effect_drivers)
+        return derive_drivers(inputs, self.effect_drivers)
 
     def with_base(self, inputs: Inputs, needed: Any = MODELLED) -> Any:
         """
@@ -156,22 +162,24 @@ class ThermalModel:
         deficit of the sky grows with the air temperature.
         """
         air, over = inputs["temp_air"], inputs["temp_base"] - inputs["temp_air"]
-        others = [name for name in inputs.columns if "temp_air" not in behind([name])]
+        others = [
+            name for name in inputs.columns if "temp_air" not in underived([name])
+        ]
         warmer = inputs.only(others).having({"temp_air": air + 1.0})
         loss, gained = inputs["loss_base"], 0.0
         for effect in self.effects:
             # a constant offset cancels in effects of past minus present air
-            past = behind(remembered(effect.drivers))
+            past = underived(drivers_with_memory(effect.drivers))
             if (
                 effect.sensor_fault
                 or "temp_air" in past
                 or not {*effect.rows()} <= {*base}
             ):
                 continue
-            if "temp_air" not in behind(effect.drivers):
+            if "temp_air" not in underived(effect.drivers):
                 continue
             before, after = (
-                effect.at(completed(these, effect.drivers).columns, base)
+                effect.at(derive_drivers(these, effect.drivers).columns, base)
                 for these in (inputs, warmer)
             )
             gained = gained + after.heat - before.heat
@@ -274,7 +282,7 @@ class ThermalModel:
             others = [name for name in columns if twin_of(name) == WIND]
             stand = [part for n in others[:1] for part in (filled_from(n), ", or ")]
             raise refusal(words, *stand, ROSS, ", which needs none")
-        using = [e.name for e in self.effects if WIND in behind(e.drivers)]
+        using = [e.name for e in self.effects if WIND in underived(e.drivers)]
         raise ValueError(
             f"data lack {WIND}, which {' and '.join(using)} need"
             f"{'s' * (len(using) == 1)}; {there}; give it, or drop the effect"
@@ -505,7 +513,7 @@ def as_read(
 def is_share(effect: Effect) -> bool:
     """Whether an effect scales the loss of the model without effects."""
     shares = {"loss_base", "air_base"}
-    return bool(effect.sensor_fault and shares & {*behind(effect.drivers)})
+    return bool(effect.sensor_fault and shares & {*underived(effect.drivers)})
 
 
 def as_in_a_fit(inputs: Any) -> Inputs:

@@ -5,15 +5,15 @@ from pvlib_fem.drivers._derived import (  # noqa: F401  for other packages
     MEASURED,
     MODELLED,
     Driver,
-    behind,
-    completed,
     constants,
+    derive_drivers,
+    drivers_with_memory,
     is_modelled,
     lost_without,
     needed_for,
     own_constants,
-    remembered,
     short_memory,
+    underived,
     with_constants,
 )
 from pvlib_fem.drivers._mounts import checked_place, geometry  # noqa: F401

@@ -12,7 +12,14 @@ from typing import Any
 
 from pvlib_fem._record.column_names import GEOMETRY, PLANT_POWER
 from pvlib_fem._record.inputs import Inputs
-from pvlib_fem.drivers._lagged_inputs import HOUR, day, day_angle, elapsed, past, stored
+from pvlib_fem.drivers._lagged_inputs import (
+    HOUR,
+    day,
+    day_angle,
+    elapsed,
+    past_minus_present,
+    weighted_past,
+)
 from pvlib_fem.drivers._plant_irradiance import frost_past_day, of_column
 from pvlib_fem.drivers._sky_deficit import (
     cloud_share,
@@ -73,12 +80,12 @@ DERIVED = {
     "snow_left": (("snow_cover", "snow_depth", "temp_air", "poa_global"), snow_left),
     "frost_past_day": (("temp_air",), frost_past_day),
     **{n: made for power in PLANT_POWER for n, made in of_column(power).items()},
-    "poa_past_1h": (("poa_global",), past(HOUR)),
-    "poa_past_3h": (("poa_global",), past(3.0 * HOUR)),
-    "air_past": (("temp_air",), past(3.0 * HOUR)),
-    "poa_stored_1h": (("poa_past_1h", "poa_global"), stored),
-    "poa_stored_3h": (("poa_past_3h", "poa_global"), stored),
-    "air_stored": (("air_past", "temp_air"), stored),
+    "poa_past_1h": (("poa_global",), weighted_past(HOUR)),
+    "poa_past_3h": (("poa_global",), weighted_past(3.0 * HOUR)),
+    "air_past": (("temp_air",), weighted_past(3.0 * HOUR)),
+    "poa_stored_1h": (("poa_past_1h", "poa_global"), past_minus_present),
+    "poa_stored_3h": (("poa_past_3h", "poa_global"), past_minus_present),
+    "air_stored": (("air_past", "temp_air"), past_minus_present),
     "wind_north": (("wind_speed", "wind_direction"), wind_north),
     "wind_east": (("wind_speed", "wind_direction"), wind_east),
     "sun_north": (("solar_azimuth",), sun_north),
@@ -236,7 +243,7 @@ SHORT = {"wetness": "drying"}
 THROUGHOUT = ("days_since_rain", "frost_past_day", "power_off_dc", "power_off_ac")
 
 
-def remembered(names: Sequence) -> list:
+def drivers_with_memory(names: Sequence) -> list:
     """
     Drivers among these, or needed by them, that depend on other rows.
 
@@ -252,12 +259,12 @@ def remembered(names: Sequence) -> list:
     drivers = []
     for name in filter(is_derived, names):
         known = getattr(name, "name", name) in REMEMBERED
-        more = [name] if known else remembered(made_of(name)[0])
+        more = [name] if known else drivers_with_memory(made_of(name)[0])
         drivers += [one for one in more if one not in drivers]
     return drivers
 
 
-def behind(names: Sequence) -> list:
+def underived(names: Sequence) -> list:
     """
     Underived columns that drivers need, each once.
 
@@ -273,8 +280,8 @@ def behind(names: Sequence) -> list:
     """
     columns = []
     for name in names:
-        underived = behind(made_of(name)[0]) if is_derived(name) else [name]
-        columns += [n for n in underived if n not in columns]
+        needed = underived(made_of(name)[0]) if is_derived(name) else [name]
+        columns += [n for n in needed if n not in columns]
     return columns
 
 
@@ -308,7 +315,7 @@ def lost_without(name: str) -> tuple:
     tuple of str
         Empty for a driver that is known in all rows.
     """
-    return () if getattr(name, "name", name) in THROUGHOUT else tuple(behind([name]))
+    return () if getattr(name, "name", name) in THROUGHOUT else tuple(underived([name]))
 
 
 def is_modelled(names: Sequence[str]) -> bool:
@@ -323,7 +330,7 @@ def is_modelled(names: Sequence[str]) -> bool:
     -------
     bool
     """
-    return not {*MODELLED}.isdisjoint(behind(names))
+    return not {*MODELLED}.isdisjoint(underived(names))
 
 
 def needed_for(names: Sequence) -> list:
@@ -339,17 +346,17 @@ def needed_for(names: Sequence) -> list:
     list of str
         Columns other than irradiance, air temperature and wind speed, each once.
     """
-    return [name for name in behind(names) if name not in (*USUAL, *MODELLED)]
+    return [name for name in underived(names) if name not in (*USUAL, *MODELLED)]
 
 
-def completed(inputs: Inputs, names: Sequence) -> Inputs:
+def derive_drivers(inputs: Inputs, names: Sequence) -> Inputs:
     """
     The inputs, completed by derived drivers and the columns that they need.
 
     Parameters
     ----------
     inputs : Inputs
-        With the columns of :func:`behind`.
+        With the columns of :func:`underived`.
     names : sequence of str or Driver
         Columns that are not derived, or that are there, are not computed.
 
@@ -366,7 +373,7 @@ def completed(inputs: Inputs, names: Sequence) -> Inputs:
     for name in names:
         if is_derived(name) and name not in inputs.columns:
             needs, compute, own = made_of(name)
-            inputs = completed(inputs, needs)
+            inputs = derive_drivers(inputs, needs)
             values = compute(*(inputs[n] for n in needs), inputs, **own)
             inputs = inputs.having({name: values})
     return inputs

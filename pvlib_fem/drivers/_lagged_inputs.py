@@ -55,7 +55,7 @@ def backwards(column: np.ndarray, steps: np.ndarray, memory: float) -> np.ndarra
     return relax(np.ascontiguousarray(column[::-1]), turned, memory)[::-1]
 
 
-def past(memory: float) -> Any:
+def weighted_past(memory: float) -> Any:
     """
     The driver that is the weighted past of a column.
 
@@ -79,14 +79,16 @@ def past(memory: float) -> Any:
     return mean
 
 
-def stored(mean: np.ndarray, column: np.ndarray, inputs: Inputs) -> np.ndarray:
+def past_minus_present(
+    mean: np.ndarray, column: np.ndarray, inputs: Inputs
+) -> np.ndarray:
     """
     Mean of the past, weighted by age, minus the present. [unit of the column]
 
     Parameters
     ----------
     mean : array, shape (rows,)
-        From :func:`past`. [unit of the column]
+        From :func:`weighted_past`. [unit of the column]
     column : array, shape (rows,)
         In any unit.
     inputs : Inputs
@@ -131,7 +133,7 @@ def day(inputs: Inputs) -> pd.Index:
     ValueError
         If the inputs have no dates.
     """
-    times = dated(inputs, "what changes with time")
+    times = times_on_own_clock(inputs, "what changes with time")
     return (times - pd.Timestamp(0)) / pd.Timedelta("1D")
 
 
@@ -152,11 +154,11 @@ def day_angle(inputs: Inputs) -> np.ndarray:
     ValueError
         If the inputs have no dates.
     """
-    days = dated(inputs, "the season").day_of_year.to_numpy() - 1.0
+    days = times_on_own_clock(inputs, "the season").day_of_year.to_numpy() - 1.0
     return 2.0 * np.pi * days / 365.25
 
 
-def dated(inputs: Inputs, what: str) -> pd.DatetimeIndex:
+def times_on_own_clock(inputs: Inputs, what: str) -> pd.DatetimeIndex:
     """
     The times of a record on its own clock.
 

@@ -17,7 +17,7 @@ from pvlib_fem.drivers._planes import (
     TILT,
     ByColumns,
     by_rotation,
-    code,
+    missing_remedy,
     floats,
     normals,
 )
@@ -87,12 +87,12 @@ def geometry(
             everywhere = np.broadcast_to(float(value), len(index))
             columns[name] = pd.Series(everywhere, index, copy=False)
     if mount is not None:
-        moving = orientation(mount, index, location)
+        moving = plane_angles(mount, index, location)
         columns |= {name: pd.Series(v, index) for name, v in moving.items()}
     return columns
 
 
-def orientation(
+def plane_angles(
     mount: Any, index: pd.DatetimeIndex, location: Location, own: Any = None
 ) -> Any:
     """
@@ -175,7 +175,7 @@ def angles_at(index: pd.DatetimeIndex, place: dict, late: float = 0.0) -> Any:
     mount, angles = place["mount"], {name: place[name] for name in ANGLES}
     if mount is not None:
         sure = index - pd.Timedelta(seconds=late)
-        angles |= orientation(mount, sure, place["location"], index)
+        angles |= plane_angles(mount, sure, place["location"], index)
     if any(angle is None for angle in angles.values()):
         return None
     return tuple(angles.values())
@@ -333,7 +333,7 @@ def checked_column(name: Any, column: Any) -> Any:
     if (off := (values < low) | (values > high)).any():
         at = int(np.argmax(off.to_numpy()))
         what = TURNED if name == TILT else FROM_SOUTH
-        what = what if abs(values.iloc[at]) <= high else code(values.iloc[at])
+        what = what if abs(values.iloc[at]) <= high else missing_remedy(values.iloc[at])
         raise ValueError(
             f"{name} is {values.iloc[at]:g}° at {column.index[at]}; it is from {low:g} "
             f"to {high:g}°, and missing where it is not known; {what}"

@@ -53,7 +53,8 @@ class ByColumns:
         usual = np.median(np.diff(own)) if len(own) > 1 else 0.0
         far = (apart > 2.0 * usual) | (share < 0.0) | (share > 1.0)
         angles = {}
-        for name, values in between(self.columns, before, after, share).items():
+        between = interpolated_angles(self.columns, before, after, share)
+        for name, values in between.items():
             values = np.where(far, np.nan, values)
             for at, exact in ((before, 0.0), (after, 1.0)):
                 values = np.where(share == exact, self.columns[name][at], values)
@@ -61,7 +62,7 @@ class ByColumns:
         return angles
 
 
-def between(columns: Any, before: Any, after: Any, share: Any) -> Any:
+def interpolated_angles(columns: Any, before: Any, after: Any, share: Any) -> Any:
     """Angles part of the way from some rows to others, the shorter way round."""
     size = len(next(iter(columns.values())))
     others = {TILT: np.full(size, 90.0), AZIMUTH: np.zeros(size)}
@@ -139,9 +140,9 @@ def by_rotation(data: Any, mount: Any) -> Any:
         at = int(np.argmax(off.to_numpy()))
         raise ValueError(
             f"{ROTATION} is {theta.iloc[at]:g}° at {theta.index[at]}; it is from -180 "
-            f"to 180°; {code(theta.iloc[at])}"
+            f"to 180°; {missing_remedy(theta.iloc[at])}"
         )
-    return ByColumns(data.index, rotated(theta.to_numpy(), mount), mount)
+    return ByColumns(data.index, angles_of_rotation(theta.to_numpy(), mount), mount)
 
 
 def floats(name: str, column: Any) -> Any:
@@ -149,7 +150,7 @@ def floats(name: str, column: Any) -> Any:
     return pd.Series(as_numbers(name, column, column.index), column.index)
 
 
-def rotated(theta: Any, mount: Any) -> Any:
+def angles_of_rotation(theta: Any, mount: Any) -> Any:
     """
     Tilt and azimuth of a tracker at some rotations. [°]
 
@@ -170,7 +171,7 @@ def rotated(theta: Any, mount: Any) -> Any:
     return {name: np.asarray(angles[name], dtype=float) for name in ANGLES}
 
 
-def code(value: Any) -> Any:
+def missing_remedy(value: Any) -> Any:
     """
     The remedy where a number may stand for a missing value.
 

@@ -7,8 +7,8 @@ import pandas as pd
 
 from pvlib_fem._record.column_names import known_values
 from pvlib_fem._record.inputs import Inputs
-from pvlib_fem.drivers._lagged_inputs import dated
-from pvlib_fem.power import PowerRelation, days_of, fitted
+from pvlib_fem.drivers._lagged_inputs import times_on_own_clock
+from pvlib_fem.power import PowerRelation, days_of, fit_power_arrays
 
 LEAST = 50.0  # W/m², least irradiance for a comparison with power
 NONE = 0.02  # of the usual power per irradiance; less counts as no power
@@ -117,7 +117,7 @@ def light_shown(
     return np.where(at_limit, np.fmax(shown, poa_global), shown)
 
 
-def lights(
+def irradiance_by_both(
     poa_global: np.ndarray,
     temp_base: np.ndarray,
     power: np.ndarray,
@@ -130,19 +130,19 @@ def lights(
     They agree if they differ by less than 50 W/m², 15 % or four spreads of the
     relation, at the limit of the plant, and in the dark.
     """
-    index = dated(inputs, "what a plant should give")
+    index = times_on_own_clock(inputs, "what a plant should give")
     day = days_of(index)
     if relation is None:
-        relation = fitted(poa_global, temp_base, power, day)
+        relation = fit_power_arrays(poa_global, temp_base, power, day)
     shown = light_shown(relation, poa_global, temp_base, power, day)
     dark = known_values("power_dc", power, poa_global) & np.isnan(power)
     shown = np.where(dark, poa_global, shown)
     return poa_global, np.where(
-        agree(poa_global, shown, relation.spread), poa_global, shown
+        irradiances_agree(poa_global, shown, relation.spread), poa_global, shown
     )
 
 
-def agree(seen: np.ndarray, shown: np.ndarray, spread: float) -> np.ndarray:
+def irradiances_agree(seen: np.ndarray, shown: np.ndarray, spread: float) -> np.ndarray:
     """
     Whether irradiances by the sensor and by power agree.
 
@@ -163,7 +163,7 @@ def agree(seen: np.ndarray, shown: np.ndarray, spread: float) -> np.ndarray:
     return np.abs(shown - seen) <= np.maximum(most, LEAST)
 
 
-def lost(seen: np.ndarray, shown: np.ndarray) -> np.ndarray:
+def lost_irradiance(seen: np.ndarray, shown: np.ndarray) -> np.ndarray:
     r"""
     Irradiance that modules lose, if power shows less than the sensor. [W/m²]
 
@@ -199,8 +199,8 @@ def light_lost(
     :math:`p` of the power, the share of irradiance is :math:`\sqrt p`. If all modules
     are covered evenly, the loss is up to twice as much.
     """
-    seen, shown = lights(poa_global, temp_base, power, inputs, relation)
-    return lost(seen, shown) * (1.0 - power_off)
+    seen, shown = irradiance_by_both(poa_global, temp_base, power, inputs, relation)
+    return lost_irradiance(seen, shown) * (1.0 - power_off)
 
 
 def light_unseen(
@@ -212,7 +212,7 @@ def light_unseen(
     relation: PowerRelation | None = None,
 ) -> np.ndarray:
     """Irradiance by power minus that of the sensor, if positive. [W/m²]"""
-    seen, shown = lights(poa_global, temp_base, power, inputs, relation)
+    seen, shown = irradiance_by_both(poa_global, temp_base, power, inputs, relation)
     return np.maximum(shown - seen, 0.0)
 
 
@@ -231,7 +231,7 @@ def light_unused(
 
     It is 0 without any power, and where snow may lie.
     """
-    seen, shown = lights(poa_global, temp_base, power, inputs, relation)
+    seen, shown = irradiance_by_both(poa_global, temp_base, power, inputs, relation)
     return np.maximum(seen - shown, 0.0) * (1.0 - power_off) * (1.0 - frost_past_day)
 
 

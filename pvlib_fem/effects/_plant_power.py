@@ -10,7 +10,7 @@ from pvlib_fem._record.column_names import PLANT_POWER
 from pvlib_fem._record.inputs import Columns
 from pvlib_fem.drivers import Driver, constants
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.power import PowerRelation, fitted
+from pvlib_fem.power import PowerRelation, fit_power_arrays
 
 USED = ("poa_global", "temp_base")
 
@@ -70,4 +70,4 @@ def of_relation(effect: Effect, relation: PowerRelation | None = None) -> Effect
 def of_record(effect: Any, columns: Columns, rows: np.ndarray) -> Effect:
     """The effect by the relation of a record's own rows."""
     used = [columns[name][rows] for name in (*USED, effect.source, "day")]
-    return of_relation(effect, fitted(*used))
+    return of_relation(effect, fit_power_arrays(*used))

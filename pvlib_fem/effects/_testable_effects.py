@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from pvlib_fem.drivers import behind, needed_for
+from pvlib_fem.drivers import needed_for, underived
 from pvlib_fem.effects import EFFECTS, find, several
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._user_column import of_column
@@ -117,7 +117,7 @@ def turning(effects: list, axis_azimuth: Any) -> tuple[list, dict]:
 
 def missing_columns(effect: Effect, drivers: dict, absent: Any) -> list:
     """Columns that an effect needs and a record does not have."""
-    usual = [name for name in behind(effect.drivers) if name in absent]
+    usual = [name for name in underived(effect.drivers) if name in absent]
     return usual + [n for n in needed_for(effect.drivers) if n not in drivers]
 
 

@@ -10,7 +10,7 @@ from pvlib.location import Location
 
 from pvlib_fem._record.checks import instants, usual_step
 from pvlib_fem.drivers import standard_time
-from pvlib_fem.drivers._mounts import orientation
+from pvlib_fem.drivers._mounts import plane_angles
 from pvlib_fem.drivers._planes import ANGLES
 from pvlib_fem.quality._hours import day_of, days_of, listed_jumps, offsets, side_of
 from pvlib_fem.quality._jumps import jumps_of, whole_hours
@@ -330,7 +330,7 @@ def due_noons(
     tilt, turn = (usual if a is None else a for a, usual in zip(angles, (0.0, 180.0)))
     if mount is not None:
         own = times if start.tz else start + pd.to_timedelta(seconds, unit="s")
-        mount_angles = orientation(mount, times, location, own)
+        mount_angles = plane_angles(mount, times, location, own)
         tilt = np.nan_to_num(mount_angles.get(ANGLES[0], tilt))
         turn = np.nan_to_num(mount_angles.get(ANGLES[1], turn), nan=180.0)
     poa = pvlib.irradiance.get_total_irradiance(

@@ -15,7 +15,7 @@ from pvlib_fem._loop.conclude import range_of, relative_error
 from pvlib_fem._record.inputs import read
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
-from pvlib_fem.drivers import completed, needed_for
+from pvlib_fem.drivers import derive_drivers, needed_for
 from pvlib_fem.effects import find
 from pvlib_fem.reasons import Reason, because
 
@@ -56,7 +56,7 @@ def faulty(true, effect, size):
     kind = effect.sensor_fault or effect.name
     poa, air, wind, module = (true[name] for name in COLUMNS)
     if kind == "soiling":
-        inputs = completed(
+        inputs = derive_drivers(
             read({"precipitation": true["precipitation"]}), effect.drivers
         )
         dirty = inputs[effect.drivers[1]]

@@ -14,7 +14,7 @@ from pvlib_fem.drivers import (
     _lagged_inputs as memory,
     _sky_deficit as sky,
     _solar as solar,
-    completed,
+    derive_drivers,
     needed_for,
     sun,
 )
@@ -27,7 +27,7 @@ every_minute = pd.date_range("2023-03-01", periods=3000, freq="1min", tz="Etc/GM
 
 
 def derived(columns, *names):
-    return completed(read(columns), names)
+    return derive_drivers(read(columns), names)
 
 
 def placed(data, tilt, azimuth, location=SITE):
@@ -90,8 +90,8 @@ def test_incidence_and_its_slopes_are_pvlibs(tilt, azimuth, latitude):
     place = sun(every_minute, Location(latitude, -106.0))
     sun_at = place["solar_zenith"], place["solar_azimuth"]
     columns = dict(zip(GEOMETRY, (*sun_at, tilt, azimuth)))
-    found = completed(read({**columns, "beam": 700.0}), ["beam_by_tilt"])
-    found = completed(found, ["beam_by_azimuth"])
+    found = derive_drivers(read({**columns, "beam": 700.0}), ["beam_by_tilt"])
+    found = derive_drivers(found, ["beam_by_azimuth"])
     projection = pvlib.irradiance.aoi_projection
     cosine = projection(tilt, azimuth, *sun_at)
     np.testing.assert_allclose(found["aoi_projection"], cosine, atol=1e-12)

@@ -16,7 +16,7 @@ from pvlib_fem._record.inputs import read
 from pvlib_fem._stored import VERSION
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
-from pvlib_fem.drivers import _water as water, completed
+from pvlib_fem.drivers import _water as water, derive_drivers
 from pvlib_fem.effects import PHYSICS as EFFECTS, find
 from pvlib_fem.effects._effect import Effect, LinearisedEffect, Parameter, Terms, tabled
 
@@ -847,8 +847,8 @@ def test_the_rain_that_cleans_can_be_set():
     options = dict(grace_period=0, soiling_loss_rate=0.01, max_soiling=1.0)
     theirs = pvlib.soiling.kimber(mm, **options) / 0.01
     (days,) = [n for n in kimber.drivers if n != "poa_global"]
-    found = completed(inputs, kimber.drivers)[days]
-    usual = completed(inputs, find("soiling").drivers)["days_since_rain"]
+    found = derive_drivers(inputs, kimber.drivers)[days]
+    usual = derive_drivers(inputs, find("soiling").drivers)["days_since_rain"]
     at = np.flatnonzero((index.day > 21) & (index.month == 6) & (index.hour == 12))
     assert (usual[at] == found[at]).all()
     at = np.flatnonzero((index.day > 11) & (index.day < 19) & (index.month == 6))

@@ -13,7 +13,7 @@ import pvlib_fem as fem
 from pvlib_fem import simulator
 from pvlib_fem._findings import CheckOutcome
 from pvlib_fem._record.inputs import read
-from pvlib_fem.drivers import completed, geometry
+from pvlib_fem.drivers import derive_drivers, geometry
 from pvlib_fem.drivers._solar import on_plane
 from pvlib_fem.effects import find
 from pvlib_fem.effects._standstill import Axis, find_standstill, rotations
@@ -83,7 +83,7 @@ def test_light_on_the_described_plane_is_what_was_measured(sound):
     place = geometry(days.index, WHERE, 35.0, 180.0)
     place |= {name: days[name] for name in USUAL[-2:]}
     inputs = inputs.having({name: c.to_numpy() for name, c in place.items()})
-    inputs = completed(inputs, ["clearness"])
+    inputs = derive_drivers(inputs, ["clearness"])
     sky = [inputs[n] for n in ("clearness", "solar_zenith", "solar_azimuth")]
     same = on_plane(*sky, inputs["surface_tilt"], inputs["surface_azimuth"])
     clear = inputs["clearness"] < 0.99  # more light than any sky has

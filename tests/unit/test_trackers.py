@@ -15,7 +15,7 @@ from pvlib.pvsystem import FixedMount, SingleAxisTrackerMount
 import pvlib_fem as fem
 from pvlib_fem import detect, simulator
 from pvlib_fem._record.inputs import as_record, with_columns
-from pvlib_fem.drivers import checked_place, completed, geometry
+from pvlib_fem.drivers import checked_place, derive_drivers, geometry
 from pvlib_fem.drivers._mounts import angles_at, axis_of
 from pvlib_fem.drivers._planes import ByColumns
 from pvlib_fem.quality._clearsky import clear_sky
@@ -73,7 +73,7 @@ def test_a_described_tracker_has_the_angles_that_pvlib_gives(record):
 def test_angle_of_incidence_and_view_of_the_sky_are_those_of_each_row(record):
     plane = geometry(record.index, WHERE, mount=MOUNT)
     made = with_columns(as_record(*(record[name] for name in COLUMNS)), plane)
-    found = completed(made.inputs, ["aoi_projection", "beam_by_tilt", "beam"])
+    found = derive_drivers(made.inputs, ["aoi_projection", "beam_by_tilt", "beam"])
     angles = [plane[name] for name in (*ANGLES, "solar_zenith", "solar_azimuth")]
     expected = pvlib.irradiance.aoi_projection(*angles)
     np.testing.assert_array_equal(found["aoi_projection"], expected)
@@ -82,7 +82,7 @@ def test_angle_of_incidence_and_view_of_the_sky_are_those_of_each_row(record):
     view = (1.0 + np.cos(np.radians(plane["surface_tilt"].to_numpy()))) / 2.0
     overcast = 0.05 * up * 1361.0 * (view + 0.2 * (1.0 - view))
     dark = made.having({"poa_global": np.maximum(overcast, 0.0)})
-    clear = completed(dark.inputs, ["clearness"])["clearness"]
+    clear = derive_drivers(dark.inputs, ["clearness"])["clearness"]
     assert np.abs(clear[up > 0.1] - 0.05).max() < 0.005
 
 
@@ -106,7 +106,7 @@ def test_columns_of_constant_angles_give_those_of_numbers_to_the_last_digit(reco
         assert (halfway[name] == value).all()
     for name in needed:
         one, other = (
-            completed(with_columns(usual, plane).inputs, [name])[name]
+            derive_drivers(with_columns(usual, plane).inputs, [name])[name]
             for plane in (fixed, moving)
         )
         np.testing.assert_array_equal(one, other)
