@@ -45,7 +45,7 @@ from pvlib_fem._report.page_pictures import picture_of_ceiling, pictures
 from pvlib_fem._report.shown import shown
 from pvlib_fem._report.treatment import treatment
 from pvlib_fem.effects import CHANGES
-from pvlib_fem.plotting._step_plots import spaced
+from pvlib_fem.plotting._step_plots import spaced_name
 from pvlib_fem.reasons import Because, Reason
 from pvlib_fem.scores import GAMMA
 
@@ -369,7 +369,7 @@ def errors(loop: "Loop", gamma: float = GAMMA) -> Table:
     verdicts = {f"+{f.effect}": f.verdict for f in loop.finding_objects}
     rows = [
         (
-            spaced(str(name)),
+            spaced_name(str(name)),
             *(number(row[key]) for key in keys),
             verdicts.get(str(name), STEPS.get(str(name), "")),
         )

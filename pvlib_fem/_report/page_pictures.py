@@ -9,7 +9,7 @@ from pvlib_fem import plotting
 from pvlib_fem._record.column_names import DAYLIGHT
 from pvlib_fem._record.file_summary import present
 from pvlib_fem._report.rows import Draw
-from pvlib_fem.plotting._residuals import by_hour_and_month, by_sector, largest
+from pvlib_fem.plotting._residuals import by_hour_and_month, by_sector, largest_mean
 from pvlib_fem.plotting._time_series import Span
 from pvlib_fem.plotting._vector import svg
 
@@ -240,7 +240,7 @@ def on_one_scale(
     projection: str | None = None,
 ) -> Iterator[tuple[str, str]]:
     """One picture of each residual, with the scale of the largest of them."""
-    limit = largest(*map(means, residuals.values()))
+    limit = largest_mean(*map(means, residuals.values()))
     for name, residual in residuals.items():
 
         def picture(ax: "Axes", residual: pd.Series = residual) -> None:

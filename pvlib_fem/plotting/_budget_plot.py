@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from pvlib_fem.plotting._step_plots import one_line_each, signed, spaced
-from pvlib_fem.plotting._style import AFTER, BEFORE, OTHER, Look, ink, new_axes
+from pvlib_fem.plotting._step_plots import one_line_each, signed_change, spaced_name
+from pvlib_fem.plotting._style import AFTER, BEFORE, OTHER, Look, new_axes, text_colour
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,11 +49,13 @@ def plot_budget(loop: "Loop", ax: "Axes | None" = None) -> "Axes":
         whole = kind in ("start", "left")
         level = square if whole else level - square
         left = 0.0 if whole else min(level, level + square)
-        rises: Look = dict(hatch="//", edgecolor=ink()) if square < 0.0 else {}
+        rises: Look = dict(hatch="//", edgecolor=text_colour()) if square < 0.0 else {}
         bar = ax.barh(place, abs(square), 0.7, left=left, color=LOOKS[kind], **rises)
         fall = kind == "taken"
-        ax.bar_label(bar, [signed(-square) if fall else f"{square:.2f}"], padding=3)
-    names = [REMAINING.get(name) or spaced(name) for name in budget.index]
+        ax.bar_label(
+            bar, [signed_change(-square) if fall else f"{square:.2f}"], padding=3
+        )
+    names = [REMAINING.get(name) or spaced_name(name) for name in budget.index]
     weeks = "test" if loop.fit.test_days else "fitted"
     one_line_each(ax, names, f"mean square of the {weeks} days [K²]")
     return ax

@@ -7,8 +7,8 @@ from pvlib_fem.plotting._style import (
     BEFORE,
     OTHER,
     Look,
-    ink,
     new_axes,
+    text_colour,
     without_frame,
 )
 
@@ -45,7 +45,7 @@ def plot_ceiling(ceiling: "Ceiling", ax: "Axes | None" = None) -> "Axes":
     )
     at = 0.0
     for name, size, look in parts:
-        look |= {"edgecolor": ink()} if "hatch" in look else {}
+        look |= {"edgecolor": text_colour()} if "hatch" in look else {}
         words = f"{name}: {size:.2f} K²"
         ax.barh(0.0, size, 0.6, left=at, label=words, **look)
         at += size

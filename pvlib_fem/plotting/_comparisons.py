@@ -13,9 +13,9 @@ from pvlib_fem.plotting._style import (
     MARKERS,
     STYLES,
     Look,
-    ink,
-    label,
+    escaped_name,
     new_axes,
+    text_colour,
     without_frame,
 )
 from pvlib_fem.scores import EnergyError
@@ -56,12 +56,12 @@ def plot_comparison(
     others = place[-1] + 0.5 + SPREAD * np.arange(np.count_nonzero(single))
     beyond = iter(others)
     for i, (name, values) in enumerate(table.items()):
-        look = looks(i)
+        look = model_style(i)
         if single[str(name)]:
             look |= dict(linestyle="", mfc="none", mew=1.6)
-            ax.plot([next(beyond)], values[[LAST]], label=label(name), **look)
+            ax.plot([next(beyond)], values[[LAST]], label=escaped_name(name), **look)
         else:
-            ax.plot(place, values, label=label(name), **look)
+            ax.plot(place, values, label=escaped_name(name), **look)
     names = [STEPS[name] for name in table.index]
     if len(others):
         place, names = [*place, others.mean()], [*names, "models\nof others"]
@@ -105,14 +105,14 @@ def plot_resolutions(
     steady = comparison.by_resolution(score, STEADY)
     ax = new_axes(ax)
     for i, name in enumerate(last):
-        look = looks(i)
-        ax.plot(last.index, last[name], label=label(name), **look)
+        look = model_style(i)
+        ax.plot(last.index, last[name], label=escaped_name(name), **look)
         if name in steady:
             thin: Look = dict(color=look["color"], linestyle="--", linewidth=0.9)
             ax.plot(steady.index, steady[name], marker=look["marker"], ms=3, **thin)
-    ax.plot([], [], color=ink(), linestyle="--", linewidth=0.9, label="steady")
+    ax.plot([], [], color=text_colour(), linestyle="--", linewidth=0.9, label="steady")
     ax.set_xscale("log")
-    ax.set_xticks(last.index, [duration(seconds) for seconds in last.index])
+    ax.set_xticks(last.index, [step_in_words(seconds) for seconds in last.index])
     ax.minorticks_off()
     ax.set_ylim(bottom=min(0.0, ax.get_ylim()[0]))
     ax.set_xlabel("step of the data")
@@ -145,10 +145,14 @@ def plot_energy_error(
         for side in ("over_estimate", "under_estimate", "net")
     )
     ax.barh(place, over, 0.65, color=AFTER, label="over-estimated, model too cold")
-    hatched: Look = dict(color=BEFORE, hatch="//", edgecolor=ink(), linewidth=0.0)
+    hatched: Look = dict(
+        color=BEFORE, hatch="//", edgecolor=text_colour(), linewidth=0.0
+    )
     ax.barh(place, under, 0.65, label="under-estimated, model too hot", **hatched)
-    ax.plot(net, place, "D", color=ink(), mfc="white", ms=6, label="both together")
-    ax.axvline(0.0, color=ink(), linewidth=0.8)
+    ax.plot(
+        net, place, "D", color=text_colour(), mfc="white", ms=6, label="both together"
+    )
+    ax.axvline(0.0, color=text_colour(), linewidth=0.8)
     for at, high, low in zip(place, over, under):
         ax.annotate(f" {high:.2f}", (high, at), va="center")
         ax.annotate(f"{-low:.2f} ", (low, at), va="center", ha="right")
@@ -160,7 +164,7 @@ def plot_energy_error(
     return ax
 
 
-def looks(i: int) -> Look:
+def model_style(i: int) -> Look:
     """Colour, marker and line of one model among several."""
     again = i // len(COLOURS)
     return dict(
@@ -177,7 +181,7 @@ def words_of(score: str) -> str:
     return f"{name.upper()} by {part or 'day'}, held-out days [K]"
 
 
-def duration(seconds: float) -> str:
+def step_in_words(seconds: float) -> str:
     """A time step in words."""
     if seconds < 60:
         return f"{seconds:g} s"

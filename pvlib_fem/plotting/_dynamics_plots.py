@@ -18,8 +18,8 @@ from pvlib_fem.plotting._style import (
     MARKERS,
     STYLES,
     Look,
-    ink,
     new_axes,
+    text_colour,
 )
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def plot_step_response(
         marker: Look = dict(marker=MARKERS[i % len(MARKERS)], zorder=3)
         ax.plot([tau / 60.0], [reached], color=look["color"], **marker)
         ax.vlines(tau / 60.0, 0.0, reached, color=look["color"], linewidth=0.7)
-    ax.plot([], [], "o", color=ink(), label="63 % reached", markersize=5)
+    ax.plot([], [], "o", color=text_colour(), label="63 % reached", markersize=5)
     ax.set_xlim(0.0, seconds[-1] / 60.0)
     ax.set_ylim(bottom=0.0)
     ax.set_xlabel("time after the step [min]")
@@ -131,7 +131,7 @@ def plot_tau_by_wind(fit: "FemFit", ax: "Axes | None" = None) -> "Axes":
     words = f"the model: {fit.model}, {fit.dynamics}"
     ax.plot(winds, time_constant(fit, winds), color=AFTER, label=words)
     bars = (bins["tau"] - bins["lower"], bins["upper"] - bins["tau"])
-    look: Look = dict(fmt="o", color=ink(), capsize=3, markersize=5)
+    look: Look = dict(fmt="o", color=text_colour(), capsize=3, markersize=5)
     words = "the record, by smoothed wind; 95 %, clustered by day"
     ax.errorbar(bins["wind_speed"], bins["tau"], bars, label=words, **look)
     ax.set_xlim(0.0, winds[-1])
@@ -186,7 +186,7 @@ def tau_by_wind(fit: "FemFit") -> pd.DataFrame:
        section 9.2. :doi:`10.1137/1.9781611971484`
     """
     model, record = fit.thermal_model, present(fit.record)
-    name = constant(fit)
+    name = time_constant_name(fit)
     coefficients = {**model.steady_model.fixed, **fit.coefficients}
     temperature, slopes = model.slopes(record.inputs, coefficients)
     residual = record["temp_module"] - temperature
@@ -235,7 +235,7 @@ def newton_step(
     return step[0], np.sqrt(covariance[0, 0]), days
 
 
-def constant(fit: "FemFit") -> str:
+def time_constant_name(fit: "FemFit") -> str:
     """Name of the coefficient that sets the time constant of a fit."""
     names = {"ewm": "tau", "balance": "capacity"}
     if fit.dynamics not in names:
@@ -249,7 +249,7 @@ def constant(fit: "FemFit") -> str:
 def time_constant(fit: "FemFit", wind_speed: Wind) -> Wind:
     """Time constant of a fitted model at these winds, without its effects. [s]"""
     value, steady_model = (
-        fit.coefficients[constant(fit)],
+        fit.coefficients[time_constant_name(fit)],
         fit.thermal_model.steady_model,
     )
     if fit.dynamics == "ewm":

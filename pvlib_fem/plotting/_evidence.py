@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._statistics import axes
-from pvlib_fem.plotting._residuals import cell_means, mesh
+from pvlib_fem.plotting._residuals import cell_means, draw_cells
 from pvlib_fem.plotting._style import (
     AFTER,
     BEFORE,
@@ -18,11 +18,11 @@ from pvlib_fem.plotting._style import (
     STYLES,
     Look,
     dated_axis,
-    ink,
-    label,
+    escaped_name,
     new_axes,
     outside_legend,
     polar_axes,
+    text_colour,
 )
 
 if TYPE_CHECKING:
@@ -97,7 +97,12 @@ def plot_by_date(
         line = pd.Series(dots.values).rolling(SMOOTH, center=True, min_periods=3)
         style = STYLES[i % len(STYLES)]
         ax.plot(
-            dots.days, line.median(), style, linewidth=1.8, label=label(name), **look
+            dots.days,
+            line.median(),
+            style,
+            linewidth=1.8,
+            label=escaped_name(name),
+            **look,
         )
         quarter, half = np.nanquantile(dots.values, [0.25, 0.75])
         reach, middle = SPREAD * max(half - quarter, 1e-9), line.median()
@@ -105,7 +110,7 @@ def plot_by_date(
         high.append(max(min(np.nanmax(dots.values), half + reach), middle.max()))
     room = 0.06 * max(max(high) - min(low), 1e-9)
     ax.set_ylim(min(low) - room, max(high) + room)
-    marked(ax, marks)
+    draw_dates(ax, marks)
     ax.set_ylabel(words)
     dated_axis(ax)
     if len(series) > 1:
@@ -114,7 +119,7 @@ def plot_by_date(
     return ax
 
 
-def marked(ax: "Axes", marks: Marks) -> None:
+def draw_dates(ax: "Axes", marks: Marks) -> None:
     """Draw the dates of a finding."""
     from matplotlib.dates import date2num
 
@@ -122,7 +127,7 @@ def marked(ax: "Axes", marks: Marks) -> None:
         ax.axvline(date, color=BEFORE, linestyle="--", linewidth=1.2)
     if marks.period:
         start, end = date2num([pd.Timestamp(day) for day in marks.period])
-        ax.axvspan(start, end, color=ink(), alpha=FAINT, linewidth=0)
+        ax.axvspan(start, end, color=text_colour(), alpha=FAINT, linewidth=0)
 
 
 def plot_event(
@@ -154,8 +159,8 @@ def plot_event(
     ax = new_axes(ax)
     for (name, values), colour, style in zip(columns.items(), (AFTER, BEFORE), STYLES):
         look: Look = dict(color=colour, linestyle=style, linewidth=1.5)
-        ax.plot(times, values, label=label(name), **look)
-    ax.axvspan(*event, color=ink(), alpha=FAINT, linewidth=0)
+        ax.plot(times, values, label=escaped_name(name), **look)
+    ax.axvspan(*event, color=text_colour(), alpha=FAINT, linewidth=0)
     ax.set_ylabel(words)
     dated_axis(ax)
     outside_legend(ax, 2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
@@ -231,14 +236,14 @@ def plot_by_sun(
     across = np.radians(np.linspace(0.0, 360.0, SECTORS + 1))
     up = np.linspace(0.0, 90.0, RINGS + 1)
     ax.grid(False)
-    mesh(ax, across, up, means, limit)
+    draw_cells(ax, across, up, means, limit)
     for start, end, low, high in windows:
         turn = np.radians(np.linspace(start, start + ((end - start) % 360 or 360), 30))
         ring = np.concatenate([turn, turn[::-1], turn[:1]])
         zenith = np.repeat(
             [90.0 - low, 90.0 - min(high, 90.0), 90.0 - low], (30, 30, 1)
         )
-        ax.plot(ring, zenith, color=ink(), linewidth=1.4)
+        ax.plot(ring, zenith, color=text_colour(), linewidth=1.4)
     ax.set_ylim(0.0, 90.0)
     ax.set_xticks(np.radians(range(0, 360, 45)), axes.SECTORS)
     ax.set_yticks([30.0, 60.0], ["60°", "30°"])
@@ -286,7 +291,7 @@ def plot_against(
     table = pd.DataFrame({"place": place, "x": other, "y": values}).groupby("place")
     middle, y = table["x"].median(), table["y"]
     low, half, high = (y.quantile(share) for share in (0.25, 0.5, 0.75))
-    ax.fill_between(middle, low, high, color=ink(), alpha=FAINT, linewidth=0)
+    ax.fill_between(middle, low, high, color=text_colour(), alpha=FAINT, linewidth=0)
     ax.plot(middle, half, "o-", color=AFTER, markersize=3.5, linewidth=1.4)
     ax.axhline(0.0, color=OTHER, linewidth=0.8, zorder=0)
     ax.set_ylabel(words[0])

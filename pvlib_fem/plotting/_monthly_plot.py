@@ -12,7 +12,7 @@ from pvlib_fem.plotting._style import (
     OTHER,
     Look,
     dated_axis,
-    label,
+    escaped_name,
     new_axes,
     panels,
 )
@@ -77,7 +77,7 @@ def plot_through_time(
     for name, panel in zip(names, axes):
         rows = table.loc[name]
         draw_periods(panel, rows)
-        panel.set_ylabel(f"{label(name)}\n[{rows['unit'].iloc[0]}]")
+        panel.set_ylabel(f"{escaped_name(name)}\n[{rows['unit'].iloc[0]}]")
         if name in whole:
             panel.axhline(whole[name], color=OTHER, linewidth=0.8, zorder=0)
         for date in dates:

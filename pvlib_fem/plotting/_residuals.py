@@ -47,7 +47,7 @@ def plot_residual_map(
     means = by_hour_and_month(residual)
     ax = new_axes(ax)
     months = np.arange(means.shape[1] + 1)
-    mesh(ax, months, np.arange(25), means, limit)
+    draw_cells(ax, months, np.arange(25), means, limit)
     ticks, names = month_ticks(means.columns)
     ax.set_xticks(ticks, names)
     ax.set_yticks(range(0, 25, 6))
@@ -118,11 +118,11 @@ def plot_residual_by(
     >>> ax.get_xlabel(), ax.get_ylabel()
     ('poa_global [W/m²]', 'wind_speed [m/s]')
     """
-    x, y = aligned(residual, x, "x"), aligned(residual, y, "y")
-    across, up = edges(x, "x"), edges(y, "y")
+    x, y = aligned_column(residual, x, "x"), aligned_column(residual, y, "y")
+    across, up = bin_edges(x, "x"), bin_edges(y, "y")
     ax = new_axes(ax)
-    means = cell_means(residual, inside(x, across), inside(y, up), across, up)
-    mesh(ax, across, up, means, limit)
+    means = cell_means(residual, bin_of_row(x, across), bin_of_row(y, up), across, up)
+    draw_cells(ax, across, up, means, limit)
     ax.set_xlabel(label_with_unit(x.name))
     ax.set_ylabel(label_with_unit(y.name))
     return ax
@@ -172,7 +172,7 @@ def plot_residual_rose(
     width = 2 * np.pi / SECTORS
     pieces = np.linspace(0, 2 * np.pi, SECTORS * FINER + 1) - width / 2
     ax.grid(False)  # it would lie between the cells
-    mesh(ax, pieces, speed, means, limit, FINER)
+    draw_cells(ax, pieces, speed, means, limit, FINER)
     ax.set_ylim(0.0, speed[-1])
     # no ring at or near the rim, whose line would cross its label
     rings = speed[2:-2:2] if len(speed) > 4 else speed[1:2]
@@ -184,7 +184,7 @@ def plot_residual_rose(
     return ax
 
 
-def mesh(
+def draw_cells(
     ax: "Axes",
     across: np.ndarray,
     up: np.ndarray,
@@ -208,7 +208,7 @@ def mesh(
     pieces : int, default 1
         Parts into which each column is divided.
     """
-    limit = largest(means) if limit is None else limit
+    limit = largest_mean(means) if limit is None else limit
     values = means.to_numpy(dtype=float)
     colours: Look = dict(cmap="RdBu_r", vmin=-limit, vmax=limit)
     # edges in the colour of the cell avoid seams in a vector picture
@@ -278,19 +278,21 @@ def by_sector(
     array
         Edges of the bins of speed, one more than there are rows. [m/s]
     """
-    speed = aligned(residual, wind_speed, "wind_speed")
-    angle = aligned(residual, wind_direction, "wind_direction")
+    speed = aligned_column(residual, wind_speed, "wind_speed")
+    angle = aligned_column(residual, wind_direction, "wind_direction")
     speed = speed.clip(lower=0.0)  # a negative offset of the anemometer is calm
-    up = edges(speed, "wind_speed")
+    up = bin_edges(speed, "wind_speed")
     up = np.concatenate(([0.0], up[up > 0.0]))
     sector = np.round(angle / (360.0 / SECTORS)) % SECTORS
-    means = cell_means(residual, sector, inside(speed, up), np.arange(SECTORS + 1), up)
+    means = cell_means(
+        residual, sector, bin_of_row(speed, up), np.arange(SECTORS + 1), up
+    )
     # a rose ends at its last cell with a mean
     rings = max(np.flatnonzero(means.notna().any(axis=1)), default=0) + 1
     return means.iloc[:rings], up[: rings + 1]
 
 
-def largest(*means: pd.DataFrame) -> float:
+def largest_mean(*means: pd.DataFrame) -> float:
     """
     Largest absolute mean of some maps, for a common scale.
 
@@ -308,7 +310,7 @@ def largest(*means: pd.DataFrame) -> float:
     return float(max(np.nanmax(values, initial=0.0), 0.1))
 
 
-def aligned(residual: pd.Series, column: Numeric | None, name: str) -> pd.Series:
+def aligned_column(residual: pd.Series, column: Numeric | None, name: str) -> pd.Series:
     """The column as float; ValueError if its index is not that of the residual."""
     if not isinstance(column, pd.Series) or not column.index.equals(residual.index):
         raise ValueError(
@@ -318,7 +320,7 @@ def aligned(residual: pd.Series, column: Numeric | None, name: str) -> pd.Series
     return column.astype(float)
 
 
-def edges(column: pd.Series, name: str) -> np.ndarray:
+def bin_edges(column: pd.Series, name: str) -> np.ndarray:
     """About ten even bins with round edges."""
     from matplotlib.ticker import MaxNLocator
 
@@ -330,7 +332,7 @@ def edges(column: pd.Series, name: str) -> np.ndarray:
     return np.asarray(ticks)
 
 
-def inside(column: pd.Series, cuts: np.ndarray) -> np.ndarray:
+def bin_of_row(column: pd.Series, cuts: np.ndarray) -> np.ndarray:
     """Bin of each row; NaN beyond the outer bins."""
     places = np.searchsorted(cuts, column, side="right") - 1.0
     # the last edge belongs to the last bin: a humidity of 100 % is no outlier

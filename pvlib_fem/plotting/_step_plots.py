@@ -11,9 +11,9 @@ from pvlib_fem.plotting._style import (
     BEFORE,
     OTHER,
     Look,
-    ink,
-    label,
+    escaped_name,
     new_axes,
+    text_colour,
     without_frame,
 )
 
@@ -31,7 +31,7 @@ DYNAMICS = {"ewm": "+ EWM", "balance": "+ heat balance"}
 NOTHING = 0.005  # K: a change that two decimals do not show
 
 
-def spaced(name: str) -> str:
+def spaced_name(name: str) -> str:
     """
     The name of a step, with a space after its plus sign.
 
@@ -60,7 +60,7 @@ def step_name(name: str) -> str:
     -------
     str
     """
-    return BASES.get(name) or spaced(name)
+    return BASES.get(name) or spaced_name(name)
 
 
 def plot_steps(loop: "Loop", ax: "Axes | None" = None) -> "Axes":
@@ -110,7 +110,7 @@ def plot_waterfall(fit: "FemFit", ax: "Axes | None" = None) -> "Axes":
     matplotlib Axes
     """
     ax = new_axes(ax)
-    errors = path(fit)
+    errors = rmse_by_step(fit)
     values = errors.to_numpy()
     place = np.arange(len(values))
     change = np.diff(values)
@@ -120,19 +120,19 @@ def plot_waterfall(fit: "FemFit", ax: "Axes | None" = None) -> "Axes":
     for at, step in zip(place[1:], change):
         look: Look = dict(color=AFTER)
         if step > NOTHING:
-            look = dict(color=BEFORE, hatch="//", edgecolor=ink())
+            look = dict(color=BEFORE, hatch="//", edgecolor=text_colour())
         left, width = min(values[at - 1], values[at]), abs(step)
         bar = ax.barh(at, width, 0.7, left=left, **look)
-        ax.bar_label(bar, [signed(step)], padding=3)
+        ax.bar_label(bar, [signed_change(step)], padding=3)
     for at, value in enumerate(values):  # from each bar down to the next
-        edge: Look = dict(color=ink(), linewidth=0.7, linestyle=":")
+        edge: Look = dict(color=text_colour(), linewidth=0.7, linestyle=":")
         ax.plot([value, value], [at - 0.35, at + 1.35], **edge)
     part = "held-out" if fit.test_days else "fitted"
     one_line_each(ax, [*errors.index, "remaining error"], f"RMSE on {part} days [K]")
     return ax
 
 
-def path(fit: "FemFit") -> pd.Series:
+def rmse_by_step(fit: "FemFit") -> pd.Series:
     """RMSE of the steps that lead to a fit, by name."""
     errors = fit.scores["rmse_test" if fit.test_days else "rmse_train"]
     if "standard" in errors.index:
@@ -143,10 +143,10 @@ def path(fit: "FemFit") -> pd.Series:
         names = {row: DYNAMICS[form] for form, row in forms.items()}
         unused = [row for form, row in forms.items() if form != fit.dynamics]
     errors = errors.drop(unused, errors="ignore")
-    return errors.rename(lambda name: names.get(name) or spaced(name))
+    return errors.rename(lambda name: names.get(name) or spaced_name(name))
 
 
-def signed(change: float) -> str:
+def signed_change(change: float) -> str:
     """
     A change with two decimals and a typographic minus.
 
@@ -177,7 +177,7 @@ def one_line_each(ax: "Axes", names: Sequence[str], words: str) -> None:
     words : str
         Label of the x axis, with its unit.
     """
-    ax.set_yticks(range(len(names)), [label(name) for name in names])
+    ax.set_yticks(range(len(names)), [escaped_name(name) for name in names])
     ax.tick_params(axis="y", length=0)
     ax.invert_yaxis()
     ax.margins(x=0.14)

@@ -150,7 +150,7 @@ def check_format(path: Path) -> None:
         )
 
 
-def ink() -> str:
+def text_colour() -> str:
     """
     The text colour of the present style.
 
@@ -227,7 +227,7 @@ def dated_axis(ax: "Axes") -> None:
     ax.xaxis.set_major_formatter(ConciseDateFormatter(places))
 
 
-def label(name: object) -> str:
+def escaped_name(name: object) -> str:
     """
     A name, shortened and escaped for matplotlib.
 
@@ -261,4 +261,4 @@ def label_with_unit(name: Hashable) -> str:
         Such as "wind_speed [m/s]".
     """
     unit = f" [{UNITS[name]}]" if name in UNITS else ""
-    return f"{label(name)}{unit}"
+    return f"{escaped_name(name)}{unit}"

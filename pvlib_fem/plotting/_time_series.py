@@ -15,11 +15,11 @@ from pvlib_fem.plotting._style import (
     FAINT,
     STYLES,
     Look,
-    ink,
-    label,
+    escaped_name,
     new_axes,
     outside_legend,
     panels,
+    text_colour,
 )
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def plot_fit(
     room_for_legend(ax, ncols=2)
     ax.tick_params(axis="x", labelbottom=False)
     ax.set_xlabel("")
-    below.axhline(0.0, color=ink(), linewidth=0.8)
+    below.axhline(0.0, color=text_colour(), linewidth=0.8)
     below.plot(span.hours, span.drawn_rows(fit.residual), color=AFTER, linewidth=1.0)
     below.set_ylabel("measured −\nmodelled [K]")
     span.clock(below)
@@ -127,13 +127,13 @@ def plot_contributions(loop: "Loop", ax: "Axes | None" = None) -> "Axes":
     # the record's times are corrected already
     parts = loop.contributions(record.inputs.frame(), correct_times=False)
     day = Span(loop.fit)
-    ax.axhline(0.0, color=ink(), linewidth=0.8)
+    ax.axhline(0.0, color=text_colour(), linewidth=0.8)
     for i, (name, values) in enumerate(parts.items()):
         look: Look = dict(color=COLOURS[i % len(COLOURS)], linewidth=1.4)
         # the line style changes with the colour, and again when colours repeat
         look["linestyle"] = STYLES[(i + i // len(COLOURS)) % len(STYLES)]
         size = np.sqrt(np.nanmean(values**2))
-        words = f"{label(name)}, rms {size:.2f} K"
+        words = f"{escaped_name(name)}, rms {size:.2f} K"
         ax.plot(day.hours, day.drawn_rows(values), label=words, **look)
     low, high = ax.get_ylim()
     ax.set_ylim(min(low, -LEAST), max(high, LEAST))  # no scale of what is nothing
@@ -150,7 +150,11 @@ class Span:
 
     def __init__(self, fit: "FemFit", when: str | slice | date | None = None) -> None:
         record = present(fit.record)
-        self.rows = busiest(fit) if when is None else chosen(record.index, when)
+        self.rows = (
+            most_variable_day(fit)
+            if when is None
+            else rows_at_times(record.index, when)
+        )
         self.measured = record["temp_module"][self.rows]
         self.sun = record["poa_global"][self.rows]
         # hours since local midnight, continuous over a clock change
@@ -173,7 +177,13 @@ class Span:
 
     def reading(self, ax: "Axes") -> None:
         """Draw the measured temperature."""
-        ax.plot(self.hours, self.measured, color=ink(), linewidth=1.8, label="measured")
+        ax.plot(
+            self.hours,
+            self.measured,
+            color=text_colour(),
+            linewidth=1.8,
+            label="measured",
+        )
         ax.set_ylabel("module temperature [°C]")
 
     def modelled(
@@ -192,7 +202,7 @@ class Span:
     def dressed(self, ax: "Axes") -> None:
         """Add irradiance in the background, ticks of time and a title."""
         irradiance = ax.twinx()
-        behind: Look = dict(color=ink(), alpha=FAINT, linewidth=0)
+        behind: Look = dict(color=text_colour(), alpha=FAINT, linewidth=0)
         # a vector picture keeps every point of a filled area
         some = slice(None, None, max(1, len(self.hours) // FILLED))
         irradiance.fill_between(self.hours[some], self.sun[some], **behind)
@@ -227,7 +237,7 @@ class Span:
         return f"{hour:g}" if step >= 1 and not several else f"{time:%H:%M}"
 
 
-def busiest(fit: "FemFit") -> np.ndarray:
+def most_variable_day(fit: "FemFit") -> np.ndarray:
     """Rows of the day with the most variable irradiance, held out if possible."""
     record = present(fit.record)
     days = record.days
@@ -239,7 +249,7 @@ def busiest(fit: "FemFit") -> np.ndarray:
     return np.flatnonzero(days == int(np.argmax(roughness)))
 
 
-def chosen(index: pd.DatetimeIndex, when: str | slice | date) -> np.ndarray:
+def rows_at_times(index: pd.DatetimeIndex, when: str | slice | date) -> np.ndarray:
     """Places of the rows at the times that a user gives."""
     try:
         wanted = when

@@ -65,10 +65,10 @@ def svg(
             warnings.filterwarnings("ignore", "Glyph")
             nothing = dict.fromkeys(["Date", "Creator", "Format", "Type"])
             figure.savefig(text, format="svg", metadata=nothing, dpi=SHARP)
-    return themed(text.getvalue(), name)
+    return themed_svg(text.getvalue(), name)
 
 
-def themed(text: str, name: str) -> str:
+def themed_svg(text: str, name: str) -> str:
     """The ``svg`` element without header and size, with the page's colours."""
     text = text[text.index("<svg") :]
     text = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", text, count=1)

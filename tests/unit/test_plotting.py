@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from pvlib_fem import datasets, fit_fem, plotting
 from pvlib_fem._loop.close import close_loop
 from pvlib_fem._record.column_names import COLUMNS
-from pvlib_fem.plotting._style import LONGEST, dated_axis, label, outside_legend
+from pvlib_fem.plotting._style import LONGEST, dated_axis, escaped_name, outside_legend
 from pvlib_fem.plotting._vector import svg
 
 
@@ -132,7 +132,7 @@ def test_contributions_are_those_of_the_loop(closed, ax):
     data = record.inputs.frame()
     parts = closed.contributions(data)
     day = parts.loc[ax.get_title()[:10]]
-    words = {label(name): name for name in parts}
+    words = {escaped_name(name): name for name in parts}
     found = {words[k.split(", rms")[0]]: v for k, v in drawn.items() if ", rms" in k}
     assert list(found) == list(parts)
     assert found
@@ -144,7 +144,7 @@ def test_contributions_are_those_of_the_loop(closed, ax):
 def test_any_name_can_be_drawn(name, closed):
     def draw(ax):
         ax.set_title("never seen")
-        ax.plot([0, 1], label=label(f"driver:{name}"))
+        ax.plot([0, 1], label=escaped_name(f"driver:{name}"))
         ax.legend()
 
     text = svg(draw, "a")
@@ -446,7 +446,7 @@ def test_a_loops_waterfall_leaves_out_the_form_that_it_left(closed, ax):
     plotting.plot_waterfall(closed.fit, ax)
     names = [text.get_text() for text in ax.get_yticklabels()]
     form = {"ewm": "+ EWM", "balance": "+ heat balance"}[closed.fit.dynamics]
-    added = [f"+ {label(effect)}" for effect in closed.effects]
+    added = [f"+ {escaped_name(effect)}" for effect in closed.effects]
     assert names == ["steady", form, *added, "remaining error"]
 
 
