@@ -201,7 +201,9 @@ class DynamicCellTemperature:
     ) -> pd.Series:
         """Cell temperature of one array. [°C]"""
         index = poa_global.index
-        own = {name: aligned(name, s, index) for name, s in self.drivers.items()}
+        own = {
+            name: driver_at_times(name, s, index) for name, s in self.drivers.items()
+        }
         own |= place
         poa_global = own.pop("poa_global", poa_global)
         temp_air = own.pop("temp_air", weather["temp_air"])
@@ -296,7 +298,7 @@ def irradiance(results: Any) -> list:
     ]
 
 
-def aligned(name: Any, series: Any, index: Any) -> Any:
+def driver_at_times(name: Any, series: Any, index: Any) -> Any:
     """The rows of a driver at the times of the run."""
     if (series.index.tz is None) != (index.tz is None):
         raise ValueError(

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._relaxation import ewm
-from pvlib_fem.paper._estimators import MIN_POINTS, Estimate, regression
+from pvlib_fem.paper._estimators import MIN_POINTS, Estimate, regression_line
 
 
 def cell_from_back(
@@ -77,5 +77,5 @@ def k_bs_c(
             f"k_BS-C needs {min_points} rows and has {int(seen.sum())}: smoothed "
             "irradiance above 20 W/m² and both temperatures measured"
         )
-    slope, _ = regression(poa[seen], difference[seen], intercept=False)
+    slope, _ = regression_line(poa[seen], difference[seen], intercept=False)
     return Estimate(slope, "K m²/W", int(seen.sum()))

@@ -18,7 +18,7 @@ from pvlib_fem._thermal.model import thermal_model
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
 from pvlib_fem.paper._comparison import FITTED, STEPS, Comparison
 from pvlib_fem.paper._recipe import METHODS, MODELS, paper_stages
-from pvlib_fem.paper.comparators import COMPARATORS, fitted
+from pvlib_fem.paper.comparators import COMPARATORS, fit_comparator
 from pvlib_fem.quality._screen import screened
 
 SCORES = {score.__name__: score for score in (scores.rmse, scores.mae, scores.mbe)}
@@ -116,7 +116,7 @@ def compare_models(
     for step in steps:
         record, out = finest, holdout
         if step is not None:
-            record, out = coarser(finest, holdout, float(step))
+            record, out = coarser_record(finest, holdout, float(step))
         how: dict[str, Any] = dict(method=method, calm_wind=calm_wind, offset=offset)
         case = Case(record, out, notes)
         for name in chosen:
@@ -150,7 +150,7 @@ def check_names(models: Any, comparators: Any, method: str) -> None:
             )
 
 
-def coarser(record: Any, holdout: Any, step: Any) -> Any:
+def coarser_record(record: Any, holdout: Any, step: Any) -> Any:
     """A record and its held-out rows as means over longer steps."""
     index = record.index
     usual = usual_step(index)
@@ -214,7 +214,7 @@ class Case:
                 pd.Series(columns[column], self.record.index)
                 for column in (*needed, "temp_module")
             )
-            values = fitted(comparator, inputs, module, self.train)
+            values = fit_comparator(comparator, inputs, module, self.train)
             answer = comparator.function(*inputs, **values).to_numpy()
         except ValueError as error:
             self.failed(name, error, (FITTED,))

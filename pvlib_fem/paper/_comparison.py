@@ -67,7 +67,7 @@ class Comparison:
                 f"no resolution {chosen:g} s; {self.resolutions} are there"
             )
         table = self.table.reset_index()
-        return wide(table[table["resolution"] == chosen], score, "step")
+        return score_by_model(table[table["resolution"] == chosen], score, "step")
 
     def by_resolution(self, score: str = "rmse", step: str = FITTED) -> pd.DataFrame:
         """
@@ -83,7 +83,7 @@ class Comparison:
         DataFrame
         """
         table = self.table.reset_index()
-        return wide(table[table["step"] == step], score, "resolution")
+        return score_by_model(table[table["step"] == step], score, "resolution")
 
     def best(self, score: str = "rmse") -> str:
         """Name of the model with the least error at the finest resolution."""
@@ -146,7 +146,7 @@ class Comparison:
         return self.table.to_html(float_format="{:.2f}".format, na_rep="–")
 
 
-def wide(table: Any, score: Any, rows: Any) -> Any:
+def score_by_model(table: Any, score: Any, rows: Any) -> Any:
     """One score with a column per model; rows and columns keep their order."""
     by_model = table.pivot_table(score, rows, "model", sort=False, dropna=False)
     return by_model.reindex(index=table[rows].unique(), columns=table["model"].unique())

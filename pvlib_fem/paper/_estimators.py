@@ -58,7 +58,9 @@ def averages(
     return frame.resample(interval).mean() if len(frame) else frame
 
 
-def enough(step: str, rows: int, at_least: int, condition: str, remedy: str) -> None:
+def require_points(
+    step: str, rows: int, at_least: int, condition: str, remedy: str
+) -> None:
     """
     Refuse a step of the recipe that has too few points.
 
@@ -86,7 +88,7 @@ def enough(step: str, rows: int, at_least: int, condition: str, remedy: str) -> 
         )
 
 
-def regression(x: Any, y: Any, intercept: bool = True) -> tuple[float, float]:
+def regression_line(x: Any, y: Any, intercept: bool = True) -> tuple[float, float]:
     """
     Slope and intercept of a regression line.
 
@@ -197,7 +199,7 @@ def r_eq_max(
     """
     frame = averages(poa_global, temp_air, wind_speed, temp_module)
     frame = frame[frame["wind_speed"] < calm_wind]
-    enough(
+    require_points(
         "r_eq,max",
         len(frame),
         min_points,
@@ -212,7 +214,7 @@ def r_eq_max(
 
 def resistance(frame: pd.DataFrame, intercept: bool, offset: float) -> Estimate:
     """Slope of over-temperature over irradiance."""
-    k, at_zero = regression(frame["poa_global"], frame["over"] - offset, intercept)
+    k, at_zero = regression_line(frame["poa_global"], frame["over"] - offset, intercept)
     return Estimate(k, "K m²/W", len(frame), offset + at_zero)
 
 
@@ -256,7 +258,7 @@ def r_m(
     """
     frame = averages(poa_global, temp_air, wind_speed, temp_module)
     frame = frame[frame["wind_speed"] >= high_wind]
-    enough(
+    require_points(
         "r_M",
         len(frame),
         min_points,
@@ -327,7 +329,7 @@ def d(
     frame = averages(poa_global, temp_air, wind_speed, temp_module)
     frame["over"] = frame["over"] - offset
     frame = frame[(frame["poa_global"] > poa_min) & (frame["over"] > 0)]
-    enough(
+    require_points(
         "d of WM1",
         len(frame),
         min_points,
@@ -336,7 +338,7 @@ def d(
     )
     wind = frame["wind_speed"]
     share = np.log(frame["over"] / (k * frame["poa_global"]))
-    slope, _ = regression(wind, share, intercept=False)
+    slope, _ = regression_line(wind, share, intercept=False)
     if not slope < 0:
         raise ValueError(
             f"d of WM1: the over-temperature does not fall with wind ({len(frame)} "
@@ -376,7 +378,11 @@ def k_w_bins(
         frame["poa_global"].between(200, 1000) & frame["wind_speed"].between(0.5, 8)
     ]
     bins = [
-        (20.0 * bin_ + 10.0, regression(rows["wind_speed"], rows["over"])[0], len(rows))
+        (
+            20.0 * bin_ + 10.0,
+            regression_line(rows["wind_speed"], rows["over"])[0],
+            len(rows),
+        )
         for bin_, rows in frame.groupby(frame["poa_global"] // 20)
         if len(rows) >= min_points and np.ptp(rows["wind_speed"]) > 0
     ]
@@ -427,5 +433,5 @@ def k_w(
             ShellText("lower min_points, or use ", "use "),
             LEAST_SQUARES,
         )
-    slope, _ = regression(bins["poa_global"], bins["slope"], intercept)
+    slope, _ = regression_line(bins["poa_global"], bins["slope"], intercept)
     return Estimate(-slope, "K m s/W", int(bins["points"].sum()))

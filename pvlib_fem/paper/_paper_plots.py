@@ -16,8 +16,8 @@ from pvlib_fem.plotting._style import (
     OTHER,
     STYLES,
     Look,
-    ink,
     new_axes,
+    text_colour,
 )
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def plot_resistances(
         words = f"{condition}: {name} = {1e3 * estimate.value:.1f} mK/(W/m²)"
         line = estimate.intercept + estimate.value * ends
         ax.plot(ends, line, color=colour, linestyle=style, label=words)
-    ax.axhline(0.0, color=ink(), linewidth=0.8)
+    ax.axhline(0.0, color=text_colour(), linewidth=0.8)
     ax.set_xlim(*ends)
     ax.set_xlabel("irradiance [W/m²]")
     ax.set_ylabel("over-temperature [K]")
@@ -141,11 +141,13 @@ def plot_k_w(
     ends = np.array([0.0, 1.05 * x.max()])
     for free, words in ((False, "through the origin"), (True, "with an intercept")):
         mean = (y.mean() + k_w[free] * x.mean()) if free else 0.0
-        look: Look = dict(linewidth=1.8, color=ink()) if free == intercept else {}
+        look: Look = (
+            dict(linewidth=1.8, color=text_colour()) if free == intercept else {}
+        )
         look = look or dict(linewidth=0.9, color=OTHER, linestyle="--")
         label = f"{words}: k_W = {1e3 * k_w[free]:.2f} mK m s/W"
         ax.plot(ends, mean - k_w[free] * ends, label=label, **look)
-    ax.axhline(0.0, color=ink(), linewidth=0.8)
+    ax.axhline(0.0, color=text_colour(), linewidth=0.8)
     ax.set_xlim(*ends)
     ax.set_xlabel("irradiance [W/m²]")
     ax.set_ylabel("slope of over-temperature\nover wind speed [K s/m]")
@@ -250,7 +252,9 @@ def plot_tau_bins(tau: TimeConstant, ax: "Axes | None" = None) -> "Axes":
         fall = tau.tau_0 * np.exp(-(winds - winds[0]) / tau.f)
         ax.plot(winds, fall, color=AFTER, label=f"f = {tau.f:.1f} m/s")
     words = f"chosen: {tau.value:.0f} s"
-    ax.axhline(tau.value, color=ink(), linewidth=0.9, linestyle=":", label=words)
+    ax.axhline(
+        tau.value, color=text_colour(), linewidth=0.9, linestyle=":", label=words
+    )
     ax.set_xlim(left=0.0)
     ax.set_ylim(bottom=0.0)
     ax.set_xlabel("wind speed [m/s]")

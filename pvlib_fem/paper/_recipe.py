@@ -152,9 +152,9 @@ def paper_stages(
         for part in (not_held_out, train)
     )
     steady_model = target.steady_model
-    plain = standard(steady_model.name, everything)
+    plain = standard_coefficients(steady_model.name, everything)
     offset = over_temperature_offset(offset, everything, rows, calm_wind, notes)
-    filtered = recipe(steady_model.name, rows, calm_wind, offset)
+    filtered = filter_coefficients(steady_model.name, rows, calm_wind, offset)
     notes += [
         f"{step}: {estimate.note}"
         for step, estimates in (("standard", plain), ("filter", filtered))
@@ -222,7 +222,9 @@ def calm_line(record: Any, calm_wind: Any, offset: Any) -> Any:
     )
 
 
-def recipe(model: str, record: Any, calm_wind: float = 0.5, offset: Any = 0.0) -> dict:
+def filter_coefficients(
+    model: str, record: Any, calm_wind: float = 0.5, offset: Any = 0.0
+) -> dict:
     """
     Coefficients of a model by the paper's recipe, with the Filter step.
 
@@ -266,13 +268,13 @@ def recipe(model: str, record: Any, calm_wind: float = 0.5, offset: Any = 0.0) -
             condition = "more than 200 W/m² and T_o > 0"
             frame = frame[(frame["poa_global"] > 200) & (frame["over"] > 0)]
         remedy = "use a longer record"
-        paper.enough(model, len(frame), paper.MIN_POINTS, condition, remedy)
+        paper.require_points(model, len(frame), paper.MIN_POINTS, condition, remedy)
         estimates = one_regression(model, frame, intercept=offset is None)
-    possible(model, estimates)
+    check_possible(model, estimates)
     return estimates
 
 
-def possible(model: str, estimates: dict) -> None:
+def check_possible(model: str, estimates: dict) -> None:
     """Refuse coefficients that are invalid for the model."""
     try:
         STEADY_MODELS[model].complete({n: e.value for n, e in estimates.items()})
@@ -284,12 +286,12 @@ def possible(model: str, estimates: dict) -> None:
         ) from error
 
 
-def standard(model: str, record: tuple) -> dict:
+def standard_coefficients(model: str, record: tuple) -> dict:
     """
     Coefficients of a model without the Filter step: one regression of all rows.
 
     WM1 is the Sandia model with other parameters, WM2 a regression on two columns.
-    Parameters and result are those of :func:`recipe`.
+    Parameters and result are those of :func:`filter_coefficients`.
 
     Notes
     -----
@@ -302,7 +304,7 @@ def standard(model: str, record: tuple) -> dict:
     frame = frame[frame["poa_global"] > DAYLIGHT].dropna()
     if model not in ("ross", "wm2"):
         frame = frame[frame["over"] > 0]
-    paper.enough(
+    paper.require_points(
         f"standard {model}", len(frame), paper.MIN_POINTS, "no filter", "use more data"
     )
     return one_regression(model, frame, intercept=False)
@@ -314,11 +316,14 @@ def one_regression(model: str, frame: pd.DataFrame, intercept: bool) -> Any:
     )
     points = len(frame)
     if model == "ross":
-        k, _ = paper.regression(poa, over, intercept)
+        k, _ = paper.regression_line(poa, over, intercept)
         return {"k": paper.Estimate(k, "K m²/W", points)}
     if model == "faiman":
-        u1, u0 = paper.regression(wind, poa / over)
-        return {name: usual(name, v, points) for name, v in (("u0", u0), ("u1", u1))}
+        u1, u0 = paper.regression_line(wind, poa / over)
+        return {
+            name: plausible_coefficient(name, v, points)
+            for name, v in (("u0", u0), ("u1", u1))
+        }
     if model == "wm2":
         columns = np.column_stack([poa, -poa * np.minimum(wind, 8.0)])
         (k, slope), *_ = np.linalg.lstsq(columns, over, rcond=None)
@@ -326,7 +331,7 @@ def one_regression(model: str, frame: pd.DataFrame, intercept: bool) -> Any:
             "k": paper.Estimate(float(k), "K m²/W", points),
             "k_w": paper.Estimate(float(slope), "K m s/W", points),
         }
-    b, a = paper.regression(wind, np.log(over / poa))
+    b, a = paper.regression_line(wind, np.log(over / poa))
     if model == "sapm":
         return {
             "a": paper.Estimate(a, "ln(K m²/W)", points),
@@ -338,7 +343,7 @@ def one_regression(model: str, frame: pd.DataFrame, intercept: bool) -> Any:
     }
 
 
-def usual(name: str, value: float, points: int) -> Estimate:
+def plausible_coefficient(name: str, value: float, points: int) -> Estimate:
     """Faiman's coefficient, or its default instead of an outlier."""
     row = STEADY_MODELS["faiman"].parameters[name]
     if row.lower <= value <= row.upper:

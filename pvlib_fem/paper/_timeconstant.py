@@ -12,7 +12,7 @@ from pvlib_fem.paper._estimators import (
     MIN_POINTS,
     Estimate,
     averages,
-    regression,
+    regression_line,
 )
 
 APART = 4  # intervals between the ends of a step change: 20 min
@@ -106,7 +106,7 @@ def time_constant(
         step = steps[steps["wind_speed"] == low]
         tau = np.nan
         if len(step) >= min_points and np.ptp(step["poa_global"]) > 0:
-            slope, _ = regression(step["poa_global"], step["over"])
+            slope, _ = regression_line(step["poa_global"], step["over"])
             tau = slope / r_eq_max * 60.0 * minutes
         rows[low] = {"tau": tau, "points": len(step), "used": False}
     table = pd.DataFrame.from_dict(rows, orient="index").rename_axis("wind_speed")
@@ -119,7 +119,7 @@ def time_constant(
             f"{BRIGHT:g} W/m² whose wind stays in the bin; use ",
             LEAST_SQUARES,
         )
-    return chosen(table, int(np.nanargmax(calm)))
+    return used_wind_bins(table, int(np.nanargmax(calm)))
 
 
 def step_changes(
@@ -180,7 +180,7 @@ def check_interval(index: pd.Index, interval: str) -> None:
         )
 
 
-def chosen(table: pd.DataFrame, first: int) -> TimeConstant:
+def used_wind_bins(table: pd.DataFrame, first: int) -> TimeConstant:
     """The last bin up to which tau falls from the ``first``, and the fitted fall."""
     last, tau = first, table["tau"]
     while last + 1 in table.index and tau[last + 1] <= tau[last] + MARGIN:

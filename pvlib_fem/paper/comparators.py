@@ -293,7 +293,9 @@ COMPARATORS = {
 }
 
 
-def fitted(comparator: Any, drivers: Any, temp_module: pd.Series, rows: Any) -> dict:
+def fit_comparator(
+    comparator: Any, drivers: Any, temp_module: pd.Series, rows: Any
+) -> dict:
     """
     Coefficients of a comparator by least squares over some rows.
 
@@ -321,7 +323,11 @@ def fitted(comparator: Any, drivers: Any, temp_module: pd.Series, rows: Any) -> 
     if usual_step(temp_module.index) < comparator.fit_step:
         *drivers, temp_module, rows = (
             column.resample(pd.Timedelta(seconds=comparator.fit_step)).mean()
-            for column in (*drivers, temp_module, marked(rows, temp_module.index))
+            for column in (
+                *drivers,
+                temp_module,
+                mask_as_series(rows, temp_module.index),
+            )
         )
         rows = rows.to_numpy() > 0.5
     names = list(comparator.parameters)
@@ -350,7 +356,7 @@ def fitted(comparator: Any, drivers: Any, temp_module: pd.Series, rows: Any) -> 
     return dict(zip(names, minimum.x.tolist()))
 
 
-def marked(rows: Any, index: Any) -> Any:
+def mask_as_series(rows: Any, index: Any) -> Any:
     """A mask of rows as a Series of ones and zeros."""
     marks = pd.Series(0.0, index)
     marks[rows] = 1.0

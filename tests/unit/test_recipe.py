@@ -7,7 +7,7 @@ from conftest import COLUMNS
 
 import pvlib_fem as fem
 from pvlib_fem import datasets, paper
-from pvlib_fem.paper._recipe import MODELS, recipe, standard
+from pvlib_fem.paper._recipe import MODELS, filter_coefficients, standard_coefficients
 
 models = pytest.mark.parametrize("model", MODELS)
 
@@ -31,7 +31,7 @@ def test_the_papers_recipe(month, model):
     offset = paper.night_bias(*kept).value
     k = paper.r_eq_max(*train, calm_wind=1.0, intercept=False, offset=offset).value
     assert fit.coefficients["tau"] == paper.time_constant(*train, k).value
-    estimates = recipe(model, train, 1.0, offset)
+    estimates = filter_coefficients(model, train, 1.0, offset)
     assert estimates
     for name, estimate in estimates.items():
         assert fit.coefficients[name] == estimate.value
@@ -78,7 +78,7 @@ def test_a_sensors_offset_changes_the_bias_and_nothing_else(fortnight, model, of
     )
     for find in (paper.night_bias, calm_intercept):
         inner, outer = (
-            recipe(model, rows, 1.0, find(*record).value)
+            filter_coefficients(model, rows, 1.0, find(*record).value)
             for rows, record in (
                 (plain, fortnight),
                 (moved, (*drivers, module + offset)),
@@ -112,7 +112,9 @@ def test_faimans_outlier_is_replaced_in_plain_words_and_counts_no_points():
     sun = pd.Series(random.uniform(300, 900, 2000), index)
     wind = pd.Series(random.uniform(0, 8, 2000), index)
     air = 0.0 * sun + 20.0
-    found = recipe("faiman", (sun, air, wind, air + sun * 0.03 * (1 + wind / 50)))
+    found = filter_coefficients(
+        "faiman", (sun, air, wind, air + sun * 0.03 * (1 + wind / 50))
+    )
     assert (found["u1"].value, found["u1"].points) == (6.84, 0)
     assert found["u0"].points == 2000 and not found["u0"].note
     assert "u1 is Faiman's own 6.84" in found["u1"].note
@@ -147,7 +149,7 @@ def test_an_unknown_offset_is_refused(fortnight, offset):
 def test_the_standard_reading_makes_wm1_the_sandia_model(month):
     """Which the paper's tables contradict: 3.29 against 3.04 K."""
     record = tuple(month[name] for name in COLUMNS)
-    wm1, sapm = (standard(model, record) for model in ("wm1", "sapm"))
+    wm1, sapm = (standard_coefficients(model, record) for model in ("wm1", "sapm"))
     assert np.log(wm1["k"].value) == pytest.approx(sapm["a"].value)
     assert -1.0 / wm1["d"].value == pytest.approx(sapm["b"].value)
 
