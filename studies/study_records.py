@@ -22,8 +22,8 @@ from pvlib_fem._record.filters import counted
 from pvlib_fem._thermal.model import thermal_model
 from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects._testable_effects import driver
-from pvlib_fem.effects.catalogue.shading import within
-from pvlib_fem.simulator._schedules import undeclared
+from pvlib_fem.effects.catalogue.shading import window_effect
+from pvlib_fem.simulator._schedules import undeclared_heat
 from pvlib_fem.simulator._switches import amplitudes
 
 
@@ -35,7 +35,7 @@ def seen(data, case, forms):
         data["temp_module"] = formed(data, **case.form)
     if case.neighbour:
         on = amplitudes(case.sizes)
-        heats = undeclared(data.index, data["temp_air"], on, forms)
+        heats = undeclared_heat(data.index, data["temp_air"], on, forms)
         data["neighbour"] = (np.asarray(heats[0]) + np.asarray(heats[1])) / 10.0
     data["temp_module"] += case.offset
     return data.drop(columns=list(case.drop))
@@ -112,7 +112,7 @@ def catalogue(loop, data, case, site):
     for switch in case.sizes:
         if switch in ("shading", "shading_sensor"):
             windows = list(skyline(site.forms.obstacles))
-            terms[switch] = within(windows, sensor=switch == "shading_sensor")
+            terms[switch] = window_effect(windows, sensor=switch == "shading_sensor")
         elif switch == "electrical_output":
             rows = (loop.weeks == "fitting").to_numpy()
             own = loop.fit.model, loop.fit.dynamics

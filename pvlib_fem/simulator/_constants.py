@@ -16,7 +16,7 @@ DAY = 86400.0  # s
 SOLAR_CONSTANT = 1361.0  # W/m²; this world's sun is always at its mean distance
 
 
-def stream(seed: int, purpose: str) -> np.random.Generator:
+def random_stream(seed: int, purpose: str) -> np.random.Generator:
     """
     Random numbers of one purpose, independent of all others.
 
@@ -59,7 +59,7 @@ def wander(random: np.random.Generator, rows: int, lag: float) -> np.ndarray:
     return lfilter([1.0], [1.0, -decay], source)
 
 
-def lagged(values: np.ndarray, lag: float) -> np.ndarray:
+def first_order_response(values: np.ndarray, lag: float) -> np.ndarray:
     """
     First-order response, from steady state.
 
@@ -79,7 +79,7 @@ def lagged(values: np.ndarray, lag: float) -> np.ndarray:
     return lfilter([1.0 - decay], [1.0, -decay], values, zi=[decay * values[0]])[0]
 
 
-def clock(times: pd.DatetimeIndex) -> tuple[np.ndarray, np.ndarray]:
+def hour_and_day(times: pd.DatetimeIndex) -> tuple[np.ndarray, np.ndarray]:
     """
     Hour of the day and day of the year, both with their fraction.
 
@@ -99,7 +99,7 @@ def clock(times: pd.DatetimeIndex) -> tuple[np.ndarray, np.ndarray]:
     return hour, times.day_of_year.to_numpy() + hour / 24.0
 
 
-def winter(site: "Site", day: np.ndarray) -> np.ndarray:
+def season_wave(site: "Site", day: np.ndarray) -> np.ndarray:
     """
     Season as a wave: 1 in midwinter, −1 in midsummer.
 
@@ -135,7 +135,7 @@ def times_of(rows: pd.DataFrame) -> pd.DatetimeIndex:
     return pd.DatetimeIndex(rows.index)
 
 
-def seconds(times: pd.DatetimeIndex) -> float:
+def even_step(times: pd.DatetimeIndex) -> float:
     """
     The even step of a time axis.
 

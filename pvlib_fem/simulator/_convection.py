@@ -27,7 +27,7 @@ def tarp(tilt: float | np.ndarray) -> Natural:
     """
     cosine = np.cos(np.radians(tilt))
     freely, stably = 9.482 / (7.283 - abs(cosine)), 1.81 / (1.382 + abs(cosine))
-    return lambda excess: np.cbrt(np.abs(excess)) * sided(excess, freely, stably)
+    return lambda excess: np.cbrt(np.abs(excess)) * by_side(excess, freely, stably)
 
 
 def churchill_chu(tilt: float | np.ndarray) -> Natural:
@@ -56,12 +56,12 @@ def mcadams(tilt: float | np.ndarray) -> Natural:
 
     def law(excess: np.ndarray) -> np.ndarray:
         size = np.abs(excess)
-        return sided(excess, freely * np.cbrt(size), stably * np.sqrt(np.sqrt(size)))
+        return by_side(excess, freely * np.cbrt(size), stably * np.sqrt(np.sqrt(size)))
 
     return law
 
 
-def sided(
+def by_side(
     excess: np.ndarray, freely: float | np.ndarray, stably: float | np.ndarray
 ) -> np.ndarray:
     """One value for faces that warm air can leave, and another for the other faces."""

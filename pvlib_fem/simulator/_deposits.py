@@ -12,7 +12,7 @@ import pandas as pd
 import pvlib
 from scipy.ndimage import uniform_filter1d
 
-from pvlib_fem.simulator._constants import DAY, seconds, times_of
+from pvlib_fem.simulator._constants import DAY, even_step, times_of
 from pvlib_fem.simulator._tracker import orientation
 
 if TYPE_CHECKING:
@@ -45,16 +45,16 @@ def dirt(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     return DIRT[site.forms.cleaning](weather, site)
 
 
-def fallen(weather: pd.DataFrame) -> pd.Series:
+def rain_of_step(weather: pd.DataFrame) -> pd.Series:
     """Rain of each step. [mm]"""
-    return weather["precipitation"] * seconds(times_of(weather)) / 3600.0
+    return weather["precipitation"] * even_step(times_of(weather)) / 3600.0
 
 
 def rain(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """0.3 % per day since the last rain of ``washed_by`` [mm, h]."""
     enough, hours = site.forms.washed_by
-    step, rows = seconds(times_of(weather)), np.arange(len(weather))
-    total = np.cumsum(fallen(weather).to_numpy())
+    step, rows = even_step(times_of(weather)), np.arange(len(weather))
+    total = np.cumsum(rain_of_step(weather).to_numpy())
     before = np.concatenate((np.zeros(round(hours * 3600 / step)), total))[: len(rows)]
     washed = np.maximum.accumulate(np.where(total - before > enough, rows, 0))
     return np.minimum(PER_DAY * (rows - washed) * step / DAY, DIRTIEST)
@@ -63,7 +63,7 @@ def rain(weather: pd.DataFrame, site: "Site") -> np.ndarray:
 def kimber(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """`pvlib.soiling.kimber`: 6 mm in 24 h clean; no soiling for two weeks after."""
     return pvlib.soiling.kimber(
-        fallen(weather).tz_localize(None),  # it needs times without a zone
+        rain_of_step(weather).tz_localize(None),  # it needs times without a zone
         soiling_loss_rate=PER_DAY,
         max_soiling=DIRTIEST,
     ).to_numpy()
@@ -72,7 +72,7 @@ def kimber(weather: pd.DataFrame, site: "Site") -> np.ndarray:
 def hsu(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """`pvlib.soiling.hsu`: settling mass; 1 mm in an hour cleans."""
     tilt, _ = orientation(weather, site)
-    ratio = pvlib.soiling.hsu(fallen(weather), 1.0, tilt, *PARTICLES)
+    ratio = pvlib.soiling.hsu(rain_of_step(weather), 1.0, tilt, *PARTICLES)
     return 1.0 - ratio.to_numpy()
 
 
@@ -82,7 +82,7 @@ def snowfall(weather: pd.DataFrame) -> np.ndarray:
     return weather["precipitation"].to_numpy() * cold
 
 
-def store(change: np.ndarray) -> np.ndarray:
+def bounded_store(change: np.ndarray) -> np.ndarray:
     """A store that is never below zero: its sum less the lowest sum so far."""
     total = np.cumsum(change)
     return total - np.minimum(np.minimum.accumulate(total), 0.0)
@@ -103,10 +103,14 @@ def snow_depth(weather: pd.DataFrame) -> np.ndarray:
         [cm]
     """
     melt = DEGREE_DAY * np.maximum(weather["temp_air"].to_numpy(), 0.0) / 24.0
-    return store((snowfall(weather) - melt) * seconds(times_of(weather)) / 3600.0)
+    return bounded_store(
+        (snowfall(weather) - melt) * even_step(times_of(weather)) / 3600.0
+    )
 
 
-def bright(weather: pd.DataFrame, site: "Site", on: Mapping[str, float]) -> np.ndarray:
+def ground_albedo(
+    weather: pd.DataFrame, site: "Site", on: Mapping[str, float]
+) -> np.ndarray:
     """
     Albedo of the ground: 0.65 where there is more than 1 cm of snow.
 
@@ -154,7 +158,7 @@ def sliding(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     B. Marion et al., Solar Energy 97, 112 (2013),
     :doi:`10.1016/j.solener.2013.07.029`, who have it slide by parts.
     """
-    step, rows = seconds(times_of(weather)), np.arange(len(weather))
+    step, rows = even_step(times_of(weather)), np.arange(len(weather))
     air, sun = weather["temp_air"].to_numpy(), weather["ghi"].to_numpy()
     slides = ((air > sun / -80.0) & (sun > 50.0)).astype(float)
     slides = uniform_filter1d(slides, round(7200 / step)) > 0.99
@@ -167,7 +171,7 @@ def sliding(weather: pd.DataFrame, site: "Site") -> np.ndarray:
 
 def coverage_nrel(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """Share of the module under snow that slides off gradually, by pvlib."""
-    depth = snowfall(weather) * seconds(times_of(weather)) / 3600.0
+    depth = snowfall(weather) * even_step(times_of(weather)) / 3600.0
     with warnings.catch_warnings():
         # pvlib 0.16 asks pandas in a way that pandas 3 warns of
         warnings.filterwarnings("ignore", ".*BaseOffset")
@@ -188,7 +192,9 @@ def melting(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     to_air = DEGREE_DAY * FUSION / DAY
     gain = TAKEN * weather["ghi"].to_numpy() + to_air * weather["temp_air"].to_numpy()
     melt = 3600.0 * np.maximum(gain, 0.0) / FUSION
-    depth = store((snowfall(weather) - melt) * seconds(times_of(weather)) / 3600.0)
+    depth = bounded_store(
+        (snowfall(weather) - melt) * even_step(times_of(weather)) / 3600.0
+    )
     return np.minimum(depth, 1.0)
 
 

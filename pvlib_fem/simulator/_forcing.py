@@ -11,17 +11,17 @@ from pvlib_fem.simulator._constants import (
     DAY,
     SIGMA,
     ZERO,
-    clock,
-    lagged,
-    seconds,
+    even_step,
+    first_order_response,
+    hour_and_day,
+    season_wave,
     times_of,
-    winter,
 )
 from pvlib_fem.simulator._convection import FORCED, NATURAL
-from pvlib_fem.simulator._deposits import SNOW_BELOW, bright, dirt, snow_cover
-from pvlib_fem.simulator._ground import plane, shade
-from pvlib_fem.simulator._schedules import curtailed, undeclared
-from pvlib_fem.simulator._surroundings import AIR, BACK, GLASS, LIGHT, WIND, total
+from pvlib_fem.simulator._deposits import SNOW_BELOW, dirt, ground_albedo, snow_cover
+from pvlib_fem.simulator._ground import beam_transmittance, plane
+from pvlib_fem.simulator._schedules import curtailed_hours, undeclared_heat
+from pvlib_fem.simulator._surroundings import AIR, BACK, GLASS, LIGHT, WIND, sum_of_laws
 from pvlib_fem.simulator._tracker import orientation
 
 if TYPE_CHECKING:
@@ -88,13 +88,15 @@ def light(
     beam, sky, ground, cosine = plane(
         weather, tilt, azimuth, albedo, site.forms.transposition
     )
-    beam = beam * shade(weather, site, on["shading"])
+    beam = beam * beam_transmittance(weather, site, on["shading"])
     sun = beam * (1 + on["incidence_angle"] * (fresnel(cosine) - 1))
     sun += (sky + ground) * (1 + on["incidence_angle"] * (0.955 - 1))
-    sun += total(LIGHT, weather, site, on)
+    sun += sum_of_laws(LIGHT, weather, site, on)
     sun *= 1 - on["soiling"] * dirt(weather, site)
     sun *= 1 - 0.95 * np.minimum(covered, 1)
-    sun *= 1 + 0.04 * on["season"] * winter(site, clock(times_of(weather))[1])
+    sun *= 1 + 0.04 * on["season"] * season_wave(
+        site, hour_and_day(times_of(weather))[1]
+    )
     tilt = np.cos(np.radians(tilt))
     rear = 0.7 * albedo * weather["ghi"].to_numpy() * (1 + tilt) / 2  # 0.7: own shade
     rear += weather["dhi"].to_numpy() * (1 - tilt) / 2
@@ -102,7 +104,7 @@ def light(
     return sun, REAR_ABSORPTANCE * on["rear_irradiance"] * open_back * rear
 
 
-def scattered(
+def wind_scatter(
     weather: pd.DataFrame, site: "Site", on: Mapping[str, float]
 ) -> np.ndarray:
     """
@@ -124,10 +126,10 @@ def scattered(
     """
     scatter = 0.3 * on["wind_scatter"]
     ratio = np.exp(scatter * weather["scatter"].to_numpy() - scatter**2 / 2)
-    return ratio * np.maximum(1 - total(WIND, weather, site, on), 0.0)
+    return ratio * np.maximum(1 - sum_of_laws(WIND, weather, site, on), 0.0)
 
 
-def heats(
+def undeclared_heats(
     weather: pd.DataFrame, site: "Site", on: Mapping[str, float]
 ) -> tuple[np.ndarray, np.ndarray]:
     """
@@ -148,12 +150,12 @@ def heats(
         Positive if the module is warmed. [W/m²]
     """
     air = weather["temp_air"].to_numpy()
-    front, back = undeclared(times_of(weather), air, on, site.forms)
-    front = front + total(GLASS, weather, site, on)
-    return front, back + total(BACK, weather, site, on)
+    front, back = undeclared_heat(times_of(weather), air, on, site.forms)
+    front = front + sum_of_laws(GLASS, weather, site, on)
+    return front, back + sum_of_laws(BACK, weather, site, on)
 
 
-def output(
+def electrical_output(
     sun: np.ndarray, idle: np.ndarray, on: Mapping[str, float]
 ) -> tuple[np.ndarray, np.ndarray]:
     """
@@ -179,7 +181,7 @@ def output(
     return full * (1 + low) - 25.0 * slope, slope
 
 
-def breeze(
+def forced_convection(
     weather: pd.DataFrame, site: "Site", on: Mapping[str, float], calm: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Forced convection of both faces: the form's, and a linear approximation."""
@@ -189,7 +191,9 @@ def breeze(
     facing = on["wind_direction"] * np.cos(around)
     if site.tracker is not None:  # which has no front while it is level
         facing = facing * np.sin(np.radians(tilt))
-    local = AT_MODULE * weather["wind_speed"].to_numpy() * scattered(weather, site, on)
+    local = (
+        AT_MODULE * weather["wind_speed"].to_numpy() * wind_scatter(weather, site, on)
+    )
     local *= np.maximum(1 + SHELTER * facing, 0.0)
     speed, facing = np.array([local, local]), np.array([facing, -facing])
     luff = 0.5 + 0.5 * facing  # share of windward
@@ -238,25 +242,25 @@ def forcing(
         Inputs over time, with rows as the last axis; before it an axis for the front
         and the back where the faces differ.
     """
-    celsius, step = weather["temp_air"].to_numpy(), seconds(times_of(weather))
+    celsius, step = weather["temp_air"].to_numpy(), even_step(times_of(weather))
     ghi = weather["ghi"].to_numpy()
-    air = celsius + ZERO + total(AIR, weather, site, on)  # where the module is
+    air = celsius + ZERO + sum_of_laws(AIR, weather, site, on)  # where the module is
     leaning, _ = orientation(weather, site, on["tracker_stuck"])
     tilt, rack = np.cos(np.radians(leaning)), site.mounting == "rack"
     covered = on["snow"] * snow_cover(weather, site)
-    albedo = bright(weather, site, on)
+    albedo = ground_albedo(weather, site, on)
     sun, rear = light(weather, site, on, covered, albedo)
 
-    idle = on["electrical_output"] * curtailed(weather)
-    constant, slope = output(sun, idle, on)
+    idle = on["electrical_output"] * curtailed_hours(weather)
+    constant, slope = electrical_output(sun, idle, on)
     # longwave: all exchange is with black surroundings at air temperature; what
     # the sky is colder than that is a sink that the module does not change
     black = SIGMA * air**4
     cold = on["sky_radiation"] * (black - weather["longwave_down"].to_numpy())
     up, down = (1 + tilt) / 2, (1 - tilt) / 2
-    to_sky = faces(up, down if rack else 0.0)
-    to_ground = faces(down, up if rack else 1.0)
-    front, back = heats(weather, site, on)
+    to_sky = both_faces(up, down if rack else 0.0)
+    to_ground = both_faces(down, up if rack else 1.0)
+    front, back = undeclared_heats(weather, site, on)
     heat = np.array([IN_GLASS * sun + front, rear + back])
     # rain is at the wet-bulb temperature, snow not above 0 °C
     fluid = weather["precipitation"].to_numpy() * (celsius >= SNOW_BELOW) / 3600.0
@@ -265,11 +269,11 @@ def forcing(
     natural = NATURAL[site.forms.natural]
     even = np.full((2, len(weather)), site.forms.calm_excess)
     calm = natural(leaning)(even)
-    forced, straight = breeze(weather, site, on, calm)
+    forced, straight = forced_convection(weather, site, on, calm)
     ground = SURFACE[site.mounting]
     # heat of the ground minus its loss with air at 0 K
     lit = ground["lit"] * (1 - albedo) * ghi + ground["loss"] * air
-    lit += TO_DEEP * lagged(air, 3 * DAY / step)
+    lit += TO_DEEP * first_order_response(air, 3 * DAY / step)
     lit += GROUND_EMISSIVITY * (1 - ground["module"]) * (black - cold)
     surfaces = dict(natural=natural, saturation=VAPOUR[site.forms.vapour])
     series = dict(
@@ -292,6 +296,6 @@ def forcing(
     return surfaces | ground, series
 
 
-def faces(front: float | np.ndarray, back: float | np.ndarray) -> np.ndarray:
+def both_faces(front: float | np.ndarray, back: float | np.ndarray) -> np.ndarray:
     """A number, or one for each row, of both faces."""
     return np.array(np.broadcast_arrays(*np.atleast_1d(front, back)))

@@ -4,18 +4,18 @@ import numpy as np
 import pandas as pd
 import pvlib
 
-from pvlib_fem.simulator._deposits import bright, snow_cover
+from pvlib_fem.simulator._deposits import ground_albedo, snow_cover
 from pvlib_fem.simulator._forcing import (
     AT_MODULE,
     EFFICIENCY,
-    heats,
+    electrical_output,
     light,
-    output,
-    scattered,
+    undeclared_heats,
+    wind_scatter,
 )
-from pvlib_fem.simulator._schedules import curtailed
+from pvlib_fem.simulator._schedules import curtailed_hours
 from pvlib_fem.simulator._site import Site
-from pvlib_fem.simulator._surroundings import AIR, total
+from pvlib_fem.simulator._surroundings import AIR, sum_of_laws
 from pvlib_fem.simulator._switches import Effects, amplitudes
 from pvlib_fem.simulator._tracker import orientation
 
@@ -62,23 +62,23 @@ def fuentes(weather: pd.DataFrame, site: Site, effects: Effects) -> pd.DataFrame
             f"and {', '.join(NO_PLACE)} to 0, or take generator='nodes'"
         )
     covered = on["snow"] * snow_cover(weather, site)
-    sun, rear = light(weather, site, on, covered, bright(weather, site, on))
-    idle = on["electrical_output"] * curtailed(weather)
-    front, back = heats(weather, site, on)
+    sun, rear = light(weather, site, on, covered, ground_albedo(weather, site, on))
+    idle = on["electrical_output"] * curtailed_hours(weather)
+    front, back = undeclared_heats(weather, site, on)
     heat = front + back + rear + EFFICIENCY * sun * idle
     poa = pd.Series(sun + heat / ABSORPTION, weather.index)
-    speed = weather["wind_speed"] * scattered(weather, site, on)
+    speed = weather["wind_speed"] * wind_scatter(weather, site, on)
     tilt, _ = orientation(weather, site, on["tracker_stuck"])
     module = pvlib.temperature.fuentes(
         poa,
-        weather["temp_air"] + total(AIR, weather, site, on),
+        weather["temp_air"] + sum_of_laws(AIR, weather, site, on),
         speed,
         INSTALLED[site.mounting],
         module_height=HEIGHT,
         absorption=ABSORPTION,
         surface_tilt=float(np.mean(tilt)),
     )
-    constant, slope = output(sun, idle, on)
+    constant, slope = electrical_output(sun, idle, on)
     power = np.asarray(constant + slope * module)
     columns = dict(
         temp_back=module, temp_cell=module, p_dc_per_area=power, poa_global=poa

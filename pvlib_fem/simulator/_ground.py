@@ -74,7 +74,7 @@ def sky_diffuse(
     return np.where(weather["dhi"] > 0, np.maximum(np.nan_to_num(diffuse), 0.0), 0.0)
 
 
-def hidden(weather: pd.DataFrame, obstacles: "Iterable[Obstacle]") -> np.ndarray:
+def blocked_share(weather: pd.DataFrame, obstacles: "Iterable[Obstacle]") -> np.ndarray:
     """Share of the beam that obstacles block; the largest share if they overlap."""
     azimuth, elevation = weather["azimuth"].to_numpy(), weather["elevation"].to_numpy()
     share = np.zeros(len(weather))
@@ -88,7 +88,9 @@ def hidden(weather: pd.DataFrame, obstacles: "Iterable[Obstacle]") -> np.ndarray
     return share
 
 
-def shade(weather: pd.DataFrame, site: "Site", amplitude: float) -> np.ndarray:
+def beam_transmittance(
+    weather: pd.DataFrame, site: "Site", amplitude: float
+) -> np.ndarray:
     """
     Share of the beam that obstacles transmit.
 
@@ -106,4 +108,4 @@ def shade(weather: pd.DataFrame, site: "Site", amplitude: float) -> np.ndarray:
     numpy.ndarray, shape (rows,)
         1 without shade. [-]
     """
-    return 1 - np.minimum(amplitude * hidden(weather, site.forms.obstacles), 1)
+    return 1 - np.minimum(amplitude * blocked_share(weather, site.forms.obstacles), 1)

@@ -10,16 +10,16 @@ from pvlib_fem.simulator._constants import (
     DAY,
     SIGMA,
     ZERO,
-    lagged,
-    seconds,
-    stream,
+    even_step,
+    first_order_response,
+    random_stream,
     times_of,
     wander,
 )
-from pvlib_fem.simulator._deposits import bright, dirt, snow_depth
-from pvlib_fem.simulator._ground import plane, shade
+from pvlib_fem.simulator._deposits import dirt, ground_albedo, snow_depth
+from pvlib_fem.simulator._ground import beam_transmittance, plane
 from pvlib_fem.simulator._site import Site
-from pvlib_fem.simulator._surroundings import CONTACT, READING, total
+from pvlib_fem.simulator._surroundings import CONTACT, READING, sum_of_laws
 from pvlib_fem.simulator._switches import UNITS, Effects, amplitudes
 from pvlib_fem.simulator._tracker import orientation
 
@@ -80,7 +80,7 @@ def measure(
     ValueError
         If a switch, or a column or unit to swap, is unknown.
     """
-    on, step, rows = amplitudes(effects), seconds(times_of(weather)), len(weather)
+    on, step, rows = amplitudes(effects), even_step(times_of(weather)), len(weather)
     speed = weather["wind_speed"].to_numpy()
     sunny = 2.0 * on["air_shield"] * weather["ghi"].to_numpy() / 1000.0
     back, power = module_logger(weather, truth, site, on, step)
@@ -97,7 +97,7 @@ def measure(
     data = {}
     for column, (white, slow, hours, resolution, relative) in SENSORS.items():
         signal = signals[column] if column in signals else weather[column].to_numpy()
-        random = stream(seed, column)
+        random = random_stream(seed, column)
         error = white * random.standard_normal(rows) if white else 0.0
         if slow:
             error = error + slow * wander(random, rows, hours * 3600 / step)
@@ -111,7 +111,7 @@ def measure(
     if site.tracker is not None:
         data["surface_tilt"], data["surface_azimuth"] = orientation(weather, site)
     swap: Any = effects.get("swap", {})
-    return spoil(data, on, swap, step, stream(seed, "faults"))
+    return add_file_faults(data, on, swap, step, random_stream(seed, "faults"))
 
 
 def pyranometer(
@@ -120,14 +120,14 @@ def pyranometer(
     """Reading of the irradiance sensor in its plane. [W/m²]"""
     tilt, azimuth = orientation(weather, site, on["tracker_stuck_sensor"])
     azimuth = azimuth + on["poa_misalignment"]
-    albedo = bright(weather, site, on)
+    albedo = ground_albedo(weather, site, on)
     beam, sky, ground, _ = plane(
         weather, tilt, azimuth, albedo, site.forms.transposition
     )
-    beam *= shade(weather, site, on["shading_sensor"])
-    poa = lagged(beam + sky + ground, 8 / step)  # a thermopile takes 8 s
+    beam *= beam_transmittance(weather, site, on["shading_sensor"])
+    poa = first_order_response(beam + sky + ground, 8 / step)  # a thermopile takes 8 s
     poa *= 1 - on["soiling_sensor"] * dirt(weather, site)
-    aged = 0.05 * on["irradiance_sensor_drift"] * years(times_of(weather))
+    aged = 0.05 * on["irradiance_sensor_drift"] * years_since_start(times_of(weather))
     poa *= 1 + 0.02 * on["irradiance_gain"] - aged
     black = SIGMA * (weather["temp_air"].to_numpy() + ZERO) ** 4
     net = black - weather["longwave_down"].to_numpy()
@@ -146,16 +146,16 @@ def module_logger(
     now = np.arange(len(times)) * step
     ahead = 60.0 * on["clock_shift"] + on["clock_drift"] * now / DAY
     ahead = ahead + 3600.0 * on["dst"] * summer_time(times)
-    back = lagged(truth["temp_back"].to_numpy(), 40 / step)
+    back = first_order_response(truth["temp_back"].to_numpy(), 40 / step)
     over = back - weather["temp_air"].to_numpy()
-    back = back - total(CONTACT, weather, site, on) * over
-    back = back + total(READING, weather, site, on)
+    back = back - sum_of_laws(CONTACT, weather, site, on) * over
+    back = back + sum_of_laws(READING, weather, site, on)
     back = (1 - 0.03 * on["temperature_gain"]) * np.interp(now - ahead, now, back)
     power = np.interp(now - ahead, now, truth["p_dc_per_area"].to_numpy())
-    return back + on["temperature_drift"] * years(times), power
+    return back + on["temperature_drift"] * years_since_start(times), power
 
 
-def years(times: pd.DatetimeIndex) -> np.ndarray:
+def years_since_start(times: pd.DatetimeIndex) -> np.ndarray:
     """Time since the start. [365.25 days]"""
     return (times - times[0]).total_seconds().to_numpy() / (365.25 * DAY)
 
@@ -172,7 +172,7 @@ def summer_time(times: pd.DatetimeIndex) -> np.ndarray:
     )
 
 
-def spoil(
+def add_file_faults(
     data: pd.DataFrame,
     on: Mapping[str, float],
     swap: Mapping[str, str],

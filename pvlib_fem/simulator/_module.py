@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.simulator._constants import DAY, SIGMA, ZERO, seconds, times_of
+from pvlib_fem.simulator._constants import DAY, SIGMA, ZERO, even_step, times_of
 from pvlib_fem.simulator._forcing import (
     EMISSIVITY,
     GROUND_EMISSIVITY,
@@ -64,7 +64,9 @@ def simulate(weather: pd.DataFrame, site: Site, effects: Effects) -> pd.DataFram
     surfaces, series = forcing(weather, site, on)
     names = ["temp_glass", "temp_back", "temp_cell", "temp_ground", "film"]
     names += ["h_front", "h_back", "latent"]
-    truth = dict(zip(names, march(on, seconds(times_of(weather)), surfaces, series)))
+    truth = dict(
+        zip(names, march_days(on, even_step(times_of(weather)), surfaces, series))
+    )
     truth["sensible"] = series["drain"] * truth["temp_glass"] - series["cooler"]
     truth["heat_glass"], truth["heat_back"] = series["heat"]
     truth["heat_cell"] = series["cell"]
@@ -74,7 +76,7 @@ def simulate(weather: pd.DataFrame, site: Site, effects: Effects) -> pd.DataFram
     return pd.DataFrame(truth, index=weather.index)
 
 
-def march(
+def march_days(
     on: Mapping[str, float],
     step: float,
     surfaces: Mapping[str, Any],
@@ -107,7 +109,7 @@ def march(
         days: slice | np.ndarray = slice(None),
     ) -> None:
         some = {name: values[part, ..., days] for name, values in series.items()}
-        nodes[part, :, days] = advance(on, step, surfaces, some, start[:, days])
+        nodes[part, :, days] = advance_nodes(on, step, surfaces, some, start[:, days])
 
     eve, start = slice(block // 2, None), np.zeros((5, count))
     start[:4] = series["air"][block // 2]
@@ -124,7 +126,7 @@ def march(
     return np.moveaxis(nodes, 0, -1).reshape(8, -1)[:, :rows]
 
 
-def advance(
+def advance_nodes(
     on: Mapping[str, float],
     step: float,
     surfaces: Mapping[str, Any],

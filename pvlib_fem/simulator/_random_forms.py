@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.simulator._constants import stream
+from pvlib_fem.simulator._constants import random_stream
 from pvlib_fem.simulator._site import RHINE, Site
 from pvlib_fem.simulator._submodels import RIVALS, Days, Forms, Minutes, Obstacle
 from pvlib_fem.simulator._synthetic_weather import sun_position
@@ -31,19 +31,19 @@ def drawn(seed: int, site: Site = RHINE) -> Forms:
     --------
     >>> site = Site(forms=drawn(1))
     """
-    random = stream(seed, "forms")
+    random = random_stream(seed, "forms")
     names = {law: str(random.choice(rivals)) for law, rivals in RIVALS.items()}
     return Forms(
-        obstacles=obstacles(random, site),
+        obstacles=draw_obstacles(random, site),
         washed_by=(random.uniform(0.5, 8.0), random.uniform(1.0, 24.0)),
         calm_excess=random.uniform(8.0, 25.0),
-        watering=days(random),
-        fan=minutes(random),
+        watering=draw_water_days(random),
+        fan=draw_minutes(random),
         **names,
     )
 
 
-def obstacles(random: np.random.Generator, site: Site) -> tuple[Obstacle, ...]:
+def draw_obstacles(random: np.random.Generator, site: Site) -> tuple[Obstacle, ...]:
     """One to three obstacles; half of the sites have hard edges and one share."""
     times = pd.date_range("2023-01-01", "2024-01-01", freq="20min", tz=site.tz)
     elevation, azimuth = sun_position(times, site)
@@ -65,14 +65,14 @@ def obstacles(random: np.random.Generator, site: Site) -> tuple[Obstacle, ...]:
     return tuple(made)
 
 
-def days(random: np.random.Generator) -> Days:
+def draw_water_days(random: np.random.Generator) -> Days:
     """Water on one of every 2 to 9 days, for as many hours: 1 h per day on average."""
     every = int(random.integers(2, 10))
     begin = random.uniform(0.0, 24.0 - every)
     return Days(every, int(random.integers(every)), ((begin, begin + every),))
 
 
-def minutes(random: np.random.Generator) -> Minutes:
+def draw_minutes(random: np.random.Generator) -> Minutes:
     """A fifth to half of a period between 1 and 7 h that does not divide the day."""
     period = int(random.choice([m for m in range(60, 421) if DAY % m]))
     on = round(period * random.uniform(0.2, 0.5))

@@ -25,7 +25,7 @@ RIVALS = {
 }
 
 
-def made(kind: type[Part], value: Part | Mapping[str, Any]) -> Part:
+def as_form(kind: type[Part], value: Part | Mapping[str, Any]) -> Part:
     """A part of `Forms`; a mapping from a record's attrs is converted."""
     if isinstance(value, Mapping):
         return kind(**value)
@@ -35,7 +35,7 @@ def made(kind: type[Part], value: Part | Mapping[str, Any]) -> Part:
     return value
 
 
-def within(name: str, value: float, least: float, most: float) -> None:
+def check_range(name: str, value: float, least: float, most: float) -> None:
     if not least <= value <= most:
         raise ValueError(f"{name} = {value} must be from {least} to {most}")
 
@@ -67,9 +67,9 @@ class Obstacle:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "heights", tuple(map(float, self.heights)))
-        within("width", self.width, 0.0, 360.0)
-        within("covers", self.covers, 0.0, 1.0)
-        within("blur", self.blur, 0.0, 90.0)
+        check_range("width", self.width, 0.0, 360.0)
+        check_range("covers", self.covers, 0.0, 1.0)
+        check_range("blur", self.blur, 0.0, 90.0)
         if not self.heights:
             raise ValueError("heights = () of an obstacle; give one or more [°]")
 
@@ -84,8 +84,8 @@ class Days:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "hours", tuple(map(tuple, self.hours)))
-        within("every", self.every, 1, 366)
-        within("phase", self.phase, 0, self.every - 1)
+        check_range("every", self.every, 1, 366)
+        check_range("phase", self.phase, 0, self.every - 1)
 
 
 @dataclass(frozen=True)
@@ -97,9 +97,9 @@ class Minutes:
     phase: float = 0.0  # minutes since 1970-01-01, modulo `period`
 
     def __post_init__(self) -> None:
-        within("period", self.period, 1.0, 1e6)
-        within("on", self.on, 0.0, self.period)
-        within("phase", self.phase, 0.0, self.period)
+        check_range("period", self.period, 1.0, 1e6)
+        check_range("on", self.on, 0.0, self.period)
+        check_range("phase", self.phase, 0.0, self.period)
 
 
 @dataclass(frozen=True)
@@ -154,8 +154,11 @@ class Forms:
     fan: Minutes = Minutes()
 
     def __post_init__(self) -> None:
-        parts = {"watering": made(Days, self.watering), "fan": made(Minutes, self.fan)}
-        parts["obstacles"] = tuple(made(Obstacle, one) for one in self.obstacles)
+        parts = {
+            "watering": as_form(Days, self.watering),
+            "fan": as_form(Minutes, self.fan),
+        }
+        parts["obstacles"] = tuple(as_form(Obstacle, one) for one in self.obstacles)
         parts["washed_by"] = tuple(map(float, self.washed_by))
         for name, value in parts.items():
             object.__setattr__(self, name, value)
@@ -165,6 +168,6 @@ class Forms:
                     f"{name} = {getattr(self, name)!r}; it is one of "
                     f"{', '.join(map(repr, rivals))}"
                 )
-        within("calm_excess", self.calm_excess, 1.0, 60.0)
+        check_range("calm_excess", self.calm_excess, 1.0, 60.0)
         if len(self.washed_by) != 2 or not min(self.washed_by) > 0:
             raise ValueError(f"washed_by = {self.washed_by}; give mm and hours above 0")

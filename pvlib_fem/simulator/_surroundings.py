@@ -14,12 +14,12 @@ from scipy.ndimage import uniform_filter1d
 
 from pvlib_fem.simulator._constants import (
     DAY,
-    clock,
-    lagged,
-    seconds,
-    stream,
+    even_step,
+    first_order_response,
+    hour_and_day,
+    random_stream,
+    season_wave,
     times_of,
-    winter,
 )
 
 if TYPE_CHECKING:
@@ -30,23 +30,23 @@ Law = Callable[[pd.DataFrame, "Site"], np.ndarray]
 LOW_SUN, HIGH_SUN = 8.0, 40.0  # °, where a façade mirrors the sun onto a module
 
 
-def chance(weather: pd.DataFrame, name: str) -> np.random.Generator:
+def random_of_law(weather: pd.DataFrame, name: str) -> np.random.Generator:
     """Random numbers of one law at one site."""
-    return stream(weather.attrs.get("seed", 0), name)
+    return random_stream(weather.attrs.get("seed", 0), name)
 
 
-def around(angle: np.ndarray, centre: float) -> np.ndarray:
+def angular_distance(angle: np.ndarray, centre: float) -> np.ndarray:
     """Distance of angles from another. [°]"""
     return np.abs((angle - centre + 180.0) % 360.0 - 180.0)
 
 
-def between(weather: pd.DataFrame, begin: float, length: float) -> np.ndarray:
+def within_hours(weather: pd.DataFrame, begin: float, length: float) -> np.ndarray:
     """Rows within some hours of the day."""
-    hour = clock(times_of(weather))[0]
+    hour = hour_and_day(times_of(weather))[0]
     return (hour >= begin) & (hour < begin + length)
 
 
-def warmer(weather: pd.DataFrame, site: "Site", share: float) -> np.ndarray:
+def warm_rows(weather: pd.DataFrame, site: "Site", share: float) -> np.ndarray:
     """Rows with air above the annual mean by a share of the annual amplitude."""
     limit = site.temp_mean + share * site.temp_amplitude
     return weather["temp_air"].to_numpy() > limit
@@ -57,7 +57,9 @@ def hours_of_sun(weather: pd.DataFrame) -> np.ndarray:
     rows = np.arange(len(weather))
     dark = weather["elevation"].to_numpy() <= 0
     return (
-        (rows - np.maximum.accumulate(rows * dark)) * seconds(times_of(weather)) / 3600
+        (rows - np.maximum.accumulate(rows * dark))
+        * even_step(times_of(weather))
+        / 3600
     )
 
 
@@ -67,15 +69,15 @@ def reflection(weather: pd.DataFrame, site: "Site") -> np.ndarray:
 
     Coated glass reflects 10 to 30 % of the sun; here the module gets 20 % of the beam.
     """
-    random = chance(weather, "reflection")
+    random = random_of_law(weather, "reflection")
     azimuth, elevation = (weather[n].to_numpy() for n in ("azimuth", "elevation"))
     low = (elevation > LOW_SUN) & (elevation < HIGH_SUN)
-    low = np.flatnonzero(low & (around(azimuth, 180.0) < 90.0))
+    low = np.flatnonzero(low & (angular_distance(azimuth, 180.0) < 90.0))
     if not len(low):  # no hours with such sun
         return np.zeros(len(weather))
     place = random.choice(low)
     width, height = random.uniform(15.0, 30.0), random.uniform(8.0, 15.0)
-    there = around(azimuth, azimuth[place]) < width
+    there = angular_distance(azimuth, azimuth[place]) < width
     there &= np.abs(elevation - elevation[place]) < height
     return 0.2 * weather["dni"].to_numpy() * there
 
@@ -86,10 +88,10 @@ def plume(weather: pd.DataFrame, site: "Site") -> np.ndarray:
 
     Air is 2 K warmer, at 25 W/(m² K) of both faces.
     """
-    random = chance(weather, "plume")
+    random = random_of_law(weather, "plume")
     direction = weather["wind_direction"].to_numpy()
     centre = random.choice(direction)
-    return 50.0 * (around(direction, centre) < random.uniform(20.0, 35.0))
+    return 50.0 * (angular_distance(direction, centre) < random.uniform(20.0, 35.0))
 
 
 def puddles(weather: pd.DataFrame, site: "Site") -> np.ndarray:
@@ -99,11 +101,11 @@ def puddles(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     Wet ground is 10 to 15 K colder in full sun than dry ground. The back loses
     6 W/(m² K) of that by longwave, and some more by its air.
     """
-    dries = chance(weather, "puddles").uniform(12.0, 40.0)  # h
+    dries = random_of_law(weather, "puddles").uniform(12.0, 40.0)  # h
     rows = np.arange(len(weather))
     rain = weather["precipitation"].to_numpy() > 0
     last = np.maximum.accumulate(np.where(rain, rows, -np.inf))
-    wet = np.exp((last - rows) * seconds(times_of(weather)) / 3600.0 / dries)
+    wet = np.exp((last - rows) * even_step(times_of(weather)) / 3600.0 / dries)
     return -0.1 * weather["ghi"].to_numpy() * wet
 
 
@@ -115,10 +117,12 @@ def sea_breeze(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     41, 1011 (2003), :doi:`10.1029/2003RG000124`. It blows on sunny days of the warm
     half year.
     """
-    random = chance(weather, "sea_breeze")
-    hours = between(weather, random.uniform(10.0, 13.0), random.uniform(5.0, 8.0))
-    sun = lagged(weather["ghi"].to_numpy(), 3 * 3600 / seconds(times_of(weather)))
-    warm = winter(site, clock(times_of(weather))[1]) < 0
+    random = random_of_law(weather, "sea_breeze")
+    hours = within_hours(weather, random.uniform(10.0, 13.0), random.uniform(5.0, 8.0))
+    sun = first_order_response(
+        weather["ghi"].to_numpy(), 3 * 3600 / even_step(times_of(weather))
+    )
+    warm = season_wave(site, hour_and_day(times_of(weather))[1]) < 0
     return -3.0 * (hours & warm & (sun > 300.0))
 
 
@@ -129,10 +133,10 @@ def misters(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     Fog systems remove 30 to 60 % of the wet-bulb depression, which is two thirds of air
     temperature minus dew point; a module nearby gets half of that.
     """
-    random = chance(weather, "misters")
-    hours = between(weather, random.uniform(8.0, 12.0), random.uniform(6.0, 10.0))
+    random = random_of_law(weather, "misters")
+    hours = within_hours(weather, random.uniform(8.0, 12.0), random.uniform(6.0, 10.0))
     dry = (weather["temp_air"] - weather["temp_dew"]).to_numpy()
-    return -0.15 * dry * (hours & warmer(weather, site, random.uniform(0.2, 0.7)))
+    return -0.15 * dry * (hours & warm_rows(weather, site, random.uniform(0.2, 0.7)))
 
 
 def fog(weather: pd.DataFrame, site: "Site") -> np.ndarray:
@@ -142,9 +146,9 @@ def fog(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     A night deposits 0.1 to 0.3 mm (J. L. Monteith and M. H. Unsworth, "Principles of
     environmental physics"); 80 W/m² over 2 h evaporate 0.24 mm.
     """
-    lasts = chance(weather, "fog").uniform(2.0, 4.0)  # h
+    lasts = random_of_law(weather, "fog").uniform(2.0, 4.0)  # h
     humid = (weather["relative_humidity"].to_numpy() > 85.0).astype(float)
-    damp = lagged(humid, 3 * 3600 / seconds(times_of(weather)))
+    damp = first_order_response(humid, 3 * 3600 / even_step(times_of(weather)))
     since = hours_of_sun(weather)
     return -80.0 * damp * ((since > 0) & (since < lasts))
 
@@ -155,9 +159,9 @@ def inverter_hall(weather: pd.DataFrame, site: "Site") -> np.ndarray:
 
     Air is 3 K warmer, at 25 W/(m² K) of both faces.
     """
-    share = chance(weather, "inverter_hall").uniform(0.1, 0.6)
+    share = random_of_law(weather, "inverter_hall").uniform(0.1, 0.6)
     power = np.minimum(weather["ghi"].to_numpy() / 850.0, 1.0)
-    return 75.0 * power * warmer(weather, site, share)
+    return 75.0 * power * warm_rows(weather, site, share)
 
 
 def compost(weather: pd.DataFrame, site: "Site") -> np.ndarray:
@@ -167,8 +171,8 @@ def compost(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     Windrows keep 55 °C for 15 days (40 CFR 503, appendix B): 40 K above air at
     6 W/(m² K), and the module's view factor is a quarter.
     """
-    random = chance(weather, "compost")
-    day = np.arange(len(weather)) * seconds(times_of(weather)) / DAY
+    random = random_of_law(weather, "compost")
+    day = np.arange(len(weather)) * even_step(times_of(weather)) / DAY
     gaps = random.uniform(30.0, 90.0, 2 + int(day[-1] / 30.0))
     turned = np.concatenate(([0.0], np.cumsum(gaps))) - random.uniform(0.0, 30.0)
     age = day - turned[np.searchsorted(turned, day, side="right") - 1]
@@ -182,8 +186,8 @@ def lorries(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     A dense wall blocks half of it within five heights: G. M. Heisler and D. R.
     DeWalle, Agric. Ecosyst. Environ. 22-23, 41 (1988). A row with gaps blocks less.
     """
-    random = chance(weather, "lorries")
-    hours = between(weather, random.uniform(5.0, 9.0), random.uniform(8.0, 11.0))
+    random = random_of_law(weather, "lorries")
+    hours = within_hours(weather, random.uniform(5.0, 9.0), random.uniform(8.0, 11.0))
     return 0.3 * (hours & (times_of(weather).day_of_week.to_numpy() < 5))
 
 
@@ -194,11 +198,13 @@ def charger(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     The battery charges from sunrise until the night's use is replaced. 3 W in a box of
     0.5 m² that loses 5 W/(m² K) give 1.2 K.
     """
-    share = chance(weather, "charger").uniform(0.2, 0.35)
-    step, since = seconds(times_of(weather)), hours_of_sun(weather)
+    share = random_of_law(weather, "charger").uniform(0.2, 0.35)
+    step, since = even_step(times_of(weather)), hours_of_sun(weather)
     night = (weather["elevation"].to_numpy() <= 0).astype(float)
     night = 24.0 * uniform_filter1d(night, max(round(DAY / step), 1), mode="nearest")
-    return 1.2 * lagged((since > 0) & (since < share * night), 1200 / step)
+    return 1.2 * first_order_response(
+        (since > 0) & (since < share * night), 1200 / step
+    )
 
 
 def frozen_contact(weather: pd.DataFrame, site: "Site") -> np.ndarray:
@@ -207,7 +213,7 @@ def frozen_contact(weather: pd.DataFrame, site: "Site") -> np.ndarray:
 
     With shrunk glue a sensor partly reads the air, as after a failed fixing.
     """
-    limit = chance(weather, "frozen_contact").uniform(0.0, 4.0)  # °C
+    limit = random_of_law(weather, "frozen_contact").uniform(0.0, 4.0)  # °C
     return 0.2 * (weather["temp_air"].to_numpy() < limit)
 
 
@@ -227,7 +233,7 @@ READING = {"charger": charger}
 CONTACT = {"frozen_contact": frozen_contact}
 
 
-def total(
+def sum_of_laws(
     laws: Mapping[str, Law],
     weather: pd.DataFrame,
     site: "Site",

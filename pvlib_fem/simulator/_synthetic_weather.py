@@ -18,11 +18,11 @@ from pvlib_fem.simulator._constants import (
     SIGMA,
     SOLAR_CONSTANT,
     ZERO,
-    clock,
-    lagged,
-    stream,
+    first_order_response,
+    hour_and_day,
+    random_stream,
+    season_wave,
     wander,
-    winter,
 )
 from pvlib_fem.simulator._site import Site
 
@@ -76,42 +76,47 @@ def weather(
     rows, minute, hourly = round(days * DAY / step), 60.0 / step, 3600.0 / step
     spacing = pd.Timedelta(seconds=step)
     times = pd.date_range(start, periods=rows, freq=spacing, tz=site.tz)
-    hour, day = clock(times)
+    hour, day = hour_and_day(times)
     elevation, azimuth = sun_position(times, site)
 
     hours = (np.arange(rows) / hourly).astype(int)
-    season = winter(site, day[0] + np.arange(hours[-1] + 1) / 24)
-    sky = regimes(site, season, stream(seed, "sky"))[hours]
-    rain, onset = rainfall(site, sky, days, minute, stream(seed, "rain"))
-    share = [lagged((sky == kind).astype(float), 8 * minute) for kind in range(3)]
-    index = clear_sky_index(share, minute, stream(seed, "cloud"))
+    season = season_wave(site, day[0] + np.arange(hours[-1] + 1) / 24)
+    sky = regimes(site, season, random_stream(seed, "sky"))[hours]
+    rain, onset = rainfall(site, sky, days, minute, random_stream(seed, "rain"))
+    share = [
+        first_order_response((sky == kind).astype(float), 8 * minute)
+        for kind in range(3)
+    ]
+    index = clear_sky_index(share, minute, random_stream(seed, "cloud"))
     ghi, dni, dhi = irradiance(elevation, index, site.forms.diffuse)
-    random = stream(seed, "cover")
+    random = random_stream(seed, "cover")
     cover = 0.03 * share[0] + 0.5 * share[1] + 0.95 * share[2]
-    cover = lagged(cover, 20 * minute) + 0.06 * wander(random, rows, 2 * hourly)
+    cover = first_order_response(cover, 20 * minute) + 0.06 * wander(
+        random, rows, 2 * hourly
+    )
     cloud = np.clip(cover, 0.0, 1.0)
 
-    random = stream(seed, "air")
-    clearness = 1.0 - lagged(cloud, 10 * hourly)
+    random = random_stream(seed, "air")
+    clearness = 1.0 - first_order_response(cloud, 10 * hourly)
     temp_air = (
         site.temp_mean
-        - site.temp_amplitude * winter(site, day)
+        - site.temp_amplitude * season_wave(site, day)
         + 3.5 * wander(random, rows, 72 * hourly)
         + (1.5 + 5.5 * clearness) * np.cos(2 * np.pi * (hour - 15) / 24)
         + 0.4 * wander(random, rows, 30 * minute)
         + 0.12 * wander(random, rows, 3 * minute)  # turbulence
         - outflow(onset, minute, random)
     )
-    random = stream(seed, "humidity")
+    random = random_stream(seed, "humidity")
     dryness = np.exp(0.4 * wander(random, rows, 48 * hourly)) * (0.6 + 0.8 * clearness)
-    temp_dew = lagged(temp_air, 24 * hourly)
+    temp_dew = first_order_response(temp_air, 24 * hourly)
     temp_dew -= np.minimum(site.dew_depression * dryness, 25.0)
     temp_dew += 0.8 * wander(random, rows, 4 * hourly)
     damp = uniform_filter1d((rain > 0).astype(float), round(2 * hourly))
     temp_dew += np.minimum(3.0 * damp, 1.0) * np.maximum(temp_air - 0.6 - temp_dew, 0.0)
     temp_dew = np.minimum(temp_dew, temp_air - 0.2)
 
-    speed, direction, scatter = wind(site, hour, minute, stream(seed, "wind"))
+    speed, direction, scatter = wind(site, hour, minute, random_stream(seed, "wind"))
     saturation = VAPOUR[site.forms.vapour]
     pressure = vapour(temp_dew, site.forms.vapour)
     law = EMISSIVITIES[site.forms.emissivity]
@@ -156,7 +161,7 @@ def sun_position(times: pd.DatetimeIndex, site: Site) -> tuple[np.ndarray, np.nd
     azimuth : numpy.ndarray, shape (rows,)
         From north, clockwise. [°]
     """
-    hour, day = clock(times)
+    hour, day = hour_and_day(times)
     angle = 2 * np.pi * (day - 1) / 365.0
     waves = [f(n * angle) for n in (1, 2, 3) for f in (np.cos, np.sin)]
     tilt = [-0.399912, 0.070257, -0.006758, 0.000907, -0.002697, 0.00148]
@@ -232,7 +237,7 @@ def clear_sky_index(
     turn = np.searchsorted(np.cumsum(spells), np.arange(rows), side="right")
     shadow = 0.38 + 0.1 * wander(random, rows, 30 * minute)
     gap = 1.03 + 0.04 * wander(random, rows, 6 * minute)  # clouds nearby reflect
-    broken = lagged(np.where(turn % 2, gap, shadow), 1.7 * minute)
+    broken = first_order_response(np.where(turn % 2, gap, shadow), 1.7 * minute)
     index = share[0] * clear + share[1] * broken + share[2] * overcast
     return np.clip(index, 0.05, 1.25)
 
@@ -272,7 +277,7 @@ def wind(
     # Weibull of shape 2 by its quantiles
     scale = site.wind_mean / gamma(1.5)
     speed = scale * np.sqrt(-np.log(np.maximum(1.0 - chance, 1e-12)))
-    sector = lagged(wander(random, rows, 40 * 60 * minute), 60 * minute)
+    sector = first_order_response(wander(random, rows, 40 * 60 * minute), 60 * minute)
     direction = 225.0 + 80.0 * np.tanh(2.0 * sector)
     direction += 35.0 * wander(random, rows, 300 * minute)
     direction += 18.0 * wander(random, rows, 10 * minute)

@@ -36,8 +36,8 @@ from pvlib_fem.simulator._convection import (
     RAYLEIGH,
 )
 from pvlib_fem.simulator._deposits import COVER, DIRT, dirt, snow_cover
-from pvlib_fem.simulator._ground import hidden, sky_diffuse
-from pvlib_fem.simulator._schedules import undeclared
+from pvlib_fem.simulator._ground import blocked_share, sky_diffuse
+from pvlib_fem.simulator._schedules import undeclared_heat
 from pvlib_fem.simulator._switches import amplitudes
 
 
@@ -277,18 +277,18 @@ def test_snow_that_slides_by_parts_is_pvlibs(thaw):
 def test_an_obstacle_is_dark_below_its_ragged_edge():
     one = Obstacle(100.0, 20.0, (10.0, 30.0, 10.0), covers=0.7)
     sky = suns([100, 100, 95, 95, 89, 111], [29, 31, 19, 21, 5, 5])
-    assert hidden(sky, [one]) == pytest.approx([0.7, 0.0, 0.7, 0.0, 0.0, 0.0])
+    assert blocked_share(sky, [one]) == pytest.approx([0.7, 0.0, 0.7, 0.0, 0.0, 0.0])
 
 
 def test_a_penumbra_is_half_dark_at_the_edge():
     one = Obstacle(100.0, 40.0, (20.0,), covers=0.8, blur=4.0)
     sky = suns([100] * 5, [17, 19, 20, 21, 23])
-    assert hidden(sky, [one]) == pytest.approx([0.8, 0.6, 0.4, 0.2, 0.0])
+    assert blocked_share(sky, [one]) == pytest.approx([0.8, 0.6, 0.4, 0.2, 0.0])
 
 
 def test_obstacles_stand_across_north_and_do_not_add():
     some = [Obstacle(0.0, 20.0, (30.0,), 0.5), Obstacle(5.0, 20.0, (30.0,), 0.7)]
-    found = hidden(suns([352, 359, 12, 20], [5] * 4), some)
+    found = blocked_share(suns([352, 359, 12, 20], [5] * 4), some)
     assert found == pytest.approx([0.5, 0.7, 0.7, 0.0])
 
 
@@ -296,7 +296,7 @@ def test_obstacles_stand_across_north_and_do_not_add():
 def test_a_timetable_of_days_is_on_one_of_every_few():
     times = pd.date_range("2024-05-01", periods=24 * 90, freq="h", tz=RHINE.tz)
     forms = Forms(watering=Days(5, 2, ((3.0, 8.0),)))
-    heat, _ = undeclared(
+    heat, _ = undeclared_heat(
         times, np.zeros(len(times)), amplitudes({"irrigation": 1}), forms
     )
     wet = times[heat < 0].tz_localize(None)
@@ -310,7 +310,7 @@ def test_a_timetable_of_minutes_knows_no_day():
     times = pd.date_range("2023-01-01", periods=150 * 96, freq="min", tz=RHINE.tz)
     forms = Forms(fan=Minutes(35, 150, 10))
     on = amplitudes({"fan": 1.0})
-    _, heat = undeclared(times, np.zeros(len(times)), on, forms)
+    _, heat = undeclared_heat(times, np.zeros(len(times)), on, forms)
     assert heat.mean() == pytest.approx(100 * 35 / 150)
     begins = np.flatnonzero(np.diff(heat) > 0)
     assert (np.diff(begins) == 150).all()
@@ -340,7 +340,7 @@ def test_a_drawn_obstacle_stands_before_the_sun(seed):
     assert obstacles
     for one in obstacles:
         day = sky["elevation"] > 0
-        assert (hidden(sky, [one])[day] > 0).mean() > 0.003
+        assert (blocked_share(sky, [one])[day] > 0).mean() > 0.003
 
 
 def test_same_forms_same_bits_and_the_default_is_the_sites():

@@ -16,8 +16,8 @@ from pvlib_fem.simulator._surroundings import (
     LIGHT,
     READING,
     WIND,
-    around,
-    total,
+    angular_distance,
+    sum_of_laws,
 )
 
 LAWS = GLASS | BACK | LIGHT | AIR | WIND | READING | CONTACT
@@ -63,7 +63,7 @@ def test_a_plume_comes_with_wind_of_one_direction(sky):
     assert {*found} == {0.0, 50.0}
     middle = np.radians(some["wind_direction"])
     middle = np.degrees(np.arctan2(np.sin(middle).mean(), np.cos(middle).mean()))
-    assert around(some["wind_direction"], middle).max() < 70.0
+    assert angular_distance(some["wind_direction"], middle).max() < 70.0
 
 
 def test_puddles_cool_the_sun_from_the_first_rain_on_and_dry(sky):
@@ -163,8 +163,8 @@ def test_a_law_is_the_same_for_a_seed_and_another_for_others(name):
 
 def test_laws_add_by_amplitude_and_are_nothing_where_off(sky):
     on = dict.fromkeys(LAWS, 0.0)
-    assert total(BACK, sky, RHINE, on) == 0.0
-    found = total(BACK, sky, RHINE, on | {"plume": 2.0, "compost": 0.5})
+    assert sum_of_laws(BACK, sky, RHINE, on) == 0.0
+    found = sum_of_laws(BACK, sky, RHINE, on | {"plume": 2.0, "compost": 0.5})
     alone = (LAWS[name](sky, RHINE) for name in ("plume", "compost"))
     assert found == pytest.approx(2.0 * next(alone) + 0.5 * next(alone))
 
