@@ -18,7 +18,7 @@ from study_gate import judged
 from study_page import publish
 from study_worlds import TRACKERS
 
-from pvlib_fem.effects._time_profiles import number
+from pvlib_fem.effects._time_profiles import day_number
 
 SHIFTS = (5710000, 5810000)  # of all seeds, on which nothing was looked at before
 WRONG, MISLED = 0.003, 0.03  # most records with a wrong name, sets without the truth
@@ -92,7 +92,7 @@ def standstills(table):
         if "tracker_stuck" not in row["sizes"]:
             continue
         true, error = row["stuck"], f"{row['before']:.2f} → {row['after']:.2f} K"
-        length = number(true["end"]) - number(true["start"])
+        length = day_number(true["end"]) - day_number(true["start"])
         power = "no" if "p_dc_per_area" in row["truth"] else "yes"
         found = [one for one in row["standstills"] if "start" in one]
         if not found:
@@ -100,7 +100,9 @@ def standstills(table):
             yield f"| {length:.0f} | {power} {lacks}| {error} | not in the model |"
             continue
         (one,) = found
-        begins, ends = (number(one[n]) - number(true[n]) for n in ("start", "end"))
+        begins, ends = (
+            day_number(one[n]) - day_number(true[n]) for n in ("start", "end")
+        )
         size = [f for f in row["sets"] if f["effect"] == "tracker_stuck"]
         verdict = size[0]["verdict"] if size else ""
         gain = dict(row["gains"] or {}).get("tracker_stuck", np.nan)

@@ -14,11 +14,11 @@ import numpy as np
 from pvlib_fem._report.formatting import with_error
 from pvlib_fem.effects._effect import Effect, Terms
 from pvlib_fem.effects._time_profiles import (
+    date_text,
     dates_in_words,
+    day_number,
     is_dated,
-    number,
     time_profile_of,
-    written,
 )
 
 RANGE = "90 % range"
@@ -239,7 +239,7 @@ def dates_of(effect: Effect, first: str, last: str) -> tuple[str, str]:
     dates = effect.settings if is_dated(effect) else {}
     start = dates.get("at") or dates.get("start") or dates.get("since") or first
     end = dates.get("end")
-    return start, written(number(end) - 1) if end else last
+    return start, date_text(day_number(end) - 1) if end else last
 
 
 def time_in_words(effect: Effect) -> str:

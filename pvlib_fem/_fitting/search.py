@@ -11,7 +11,7 @@ from pvlib_fem._record.inputs import Record
 from pvlib_fem._spelling import FIXED, ShellText, did_you_mean, refusal
 from pvlib_fem._statistics.leastsquares import descent
 from pvlib_fem._thermal.model import MEMORY, ThermalModel
-from pvlib_fem.effects._effect import tabled
+from pvlib_fem.effects._effect import linearised
 
 TURNS = 3  # searches at most, if the bounds depend on the minimum
 
@@ -204,7 +204,7 @@ def linearised_effects(effects: tuple, record: Record) -> tuple:
     tuple of Effect
         In the same order.
     """
-    return tuple(tabled(effect, record.inputs.columns) for effect in effects)
+    return tuple(linearised(effect, record.inputs.columns) for effect in effects)
 
 
 def with_tables(model: ThermalModel, record: Record) -> ThermalModel:

@@ -21,7 +21,7 @@ from pvlib_fem._loop.references import SLACK
 from pvlib_fem._record.column_names import GEOMETRY
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
-from pvlib_fem.effects._effect import Effect, Parameter, deciding
+from pvlib_fem.effects._effect import Effect, Parameter, deciding_measurements
 from pvlib_fem.effects._time_profiles import dates_in_words, is_dated, is_drift
 from pvlib_fem.reasons import Because, Reason, because
 
@@ -83,7 +83,7 @@ def finding_of(
         Check("gain", "min_rmse_reduction", gain, float(np.sqrt(floor)), unit="K"),
     ]
     if verdict is Verdict.AMBIGUOUS:
-        measurements = deciding([choice.members[n].effect for n in names])
+        measurements = deciding_measurements([choice.members[n].effect for n in names])
         if measurements:
             decided = because(Reason.WOULD_DECIDE, measurements=measurements)
             why = replace(why, also=(decided,))

@@ -8,7 +8,7 @@ import numpy as np
 
 from pvlib_fem._statistics.weekly_sums import coefficients_from, with_ridge
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.effects._time_profiles import number, time_profile_of, written
+from pvlib_fem.effects._time_profiles import date_text, day_number, time_profile_of
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.design import Design
@@ -216,17 +216,17 @@ class Scan:
             return self.square_falls(parts, low, high)
 
         side, dates = self.side, self.design.dates
-        profiles = {"drift": {"since": written(dates[0])}}
+        profiles = {"drift": {"since": date_text(dates[0])}}
         starts = np.arange(side, days - side + 1)
         if len(starts):
             falls = square_falls(sums[-1] - sums[starts])
             at = starts[int(np.argmax(falls))]
             if falls.max() > 0:
-                profiles["step"] = {"at": written(dates[at])}
+                profiles["step"] = {"at": date_text(dates[at])}
         ends = self.pair(sums, square_falls)
         if ends is not None:
             first, last = ends
-            start, end = written(dates[first]), written(dates[last - 1] + 1)
+            start, end = date_text(dates[first]), date_text(dates[last - 1] + 1)
             profiles["episode"] = {"start": start, "end": end}
         return profiles
 
@@ -285,18 +285,18 @@ def first_days(
     scan = Scan.from_design(design, given, side)
     sums, last = scan.sums(one.change.place), len(days)
     if "end" in dates:
-        last = int(np.searchsorted(days, number(dates["end"])))
+        last = int(np.searchsorted(days, day_number(dates["end"])))
     starts = np.arange(1, max(last, 2))
     falls = scan.square_falls(sums[last] - sums[starts], -1.0, 1.0)
-    best = int(np.searchsorted(days, number(begin)))
+    best = int(np.searchsorted(days, day_number(begin)))
     most = max(falls[min(max(best - 1, 0), len(falls) - 1)], 1e-12)
     # the difference to the best date's part, in standard errors of that part
     worse = (1.0 - falls / most) * min(errors, MOST_SURE) ** 2
     good = np.append(starts[worse <= LIKELY], best)
     # the days with rows around a date may not be neighbours
     between = [
-        written(days[good.min() - 1] + 1),
-        written(days[min(good.max(), len(days) - 1)]),
+        date_text(days[good.min() - 1] + 1),
+        date_text(days[min(good.max(), len(days) - 1)]),
     ]
     return effect.make(**{**dates, "between": between})
 

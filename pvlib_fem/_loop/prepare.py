@@ -35,7 +35,7 @@ from pvlib_fem.drivers._mounts import ANGLES, PLANE, angles_at, axis_of, is_know
 from pvlib_fem.drivers._solar import standard_time
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.effects._testable_effects import candidates, turning
+from pvlib_fem.effects._testable_effects import candidates, candidates_about_axis
 from pvlib_fem.quality._check import Health, check
 from pvlib_fem.quality._daylight import Daylight, daylight_saving
 from pvlib_fem.quality._irradiance_clock import twin_clock
@@ -150,7 +150,7 @@ def prepared(
     power = plant_power(look.whole, criteria.max_missing_share)
     there, absent = {**look.drivers, **power, **sun}, look.whole.absent
     wanted, untestable = candidates(there, refused, effects, absent=absent)
-    wanted, fixed_plane = turning(wanted, axis_of(site))
+    wanted, fixed_plane = candidates_about_axis(wanted, axis_of(site))
     untestable |= fixed_plane
     if plane is not None:  # an obstacle cannot be located from an unknown plane
         scans = filter(is_before_the_sun, wanted)

@@ -32,7 +32,7 @@ from pvlib_fem.drivers import DERIVED, MODELLED, checked_place, geometry, needed
 from pvlib_fem.drivers._mounts import axis_of
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.effects._testable_effects import candidates, turning
+from pvlib_fem.effects._testable_effects import candidates, candidates_about_axis
 from pvlib_fem.quality._screen import screened
 from pvlib_fem.reasons import Because, Reason, because
 
@@ -317,7 +317,7 @@ def rank_effects(
     sun = geometry(record.index, **place)
     known = {**drivers, **sun}
     testable, notes = candidates(known, refused, effects, there, record.absent)
-    testable, fixed_plane = turning(testable, axis_of(place))
+    testable, fixed_plane = candidates_about_axis(testable, axis_of(place))
     notes |= fixed_plane
     model = fit.thermal_model
     record = with_columns(record.only([*USUAL, *drivers]), sun)

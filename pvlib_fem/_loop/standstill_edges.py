@@ -18,7 +18,7 @@ from pvlib_fem._record.column_names import is_power
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem.drivers import derive_drivers
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.effects._time_profiles import number, written
+from pvlib_fem.effects._time_profiles import date_text, day_number
 
 WARMS = 0.03  # K/(W/m²), of a module over the air: its power needs no more
 AROUND = 30  # days before and after, that power is compared with
@@ -52,7 +52,7 @@ def edge_weeks(case: Case, effects: Iterable[Effect], before: int) -> np.ndarray
     unknown = np.zeros(len(test), dtype=bool)
     for effect in (one for one in effects if one.turns):
         for name in ("between", "ended"):
-            low, high = map(number, effect.settings.get(name, (0, 0)))
+            low, high = map(day_number, effect.settings.get(name, (0, 0)))
             unknown |= (test >= low) & (test < high)
     unknown &= np.isin(test, without_power(case))
     weeks = calendar_weeks(test)
@@ -87,10 +87,10 @@ def by_power(case: Case, effect: Effect, size: float) -> Effect:
     Effect
     """
     settings = dict(effect.settings)
-    start, end = (int(number(settings[name])) for name in ("start", "end"))
+    start, end = (int(day_number(settings[name])) for name in ("start", "end"))
     before = max(start - REACH, int(case.record.dates[0]))
     after = min(end + REACH, int(case.record.dates[-1]) + 1)
-    wide = settings | {"start": written(before), "end": written(after)}
+    wide = settings | {"start": date_text(before), "end": date_text(after)}
     gains = daily_gains(case, effect.make(**wide), size, (before, after))
     first, last = start, end
     if (days_before := range(start - 1, before - 1, -1)) and gains:
@@ -99,7 +99,7 @@ def by_power(case: Case, effect: Effect, size: float) -> Effect:
         last = end + longest([gains.get(day, 0.0) for day in days_after])
     if (first, last) == (start, end):
         return effect
-    return effect.make(**settings | {"start": written(first), "end": written(last)})
+    return effect.make(**settings | {"start": date_text(first), "end": date_text(last)})
 
 
 def longest(gains: list[float]) -> int:

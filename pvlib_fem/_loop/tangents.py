@@ -12,7 +12,7 @@ from pvlib_fem._relaxation import FADED, relax
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers import derive_drivers, needed_for
-from pvlib_fem.effects._effect import Effect, Terms, tabled
+from pvlib_fem.effects._effect import Effect, Terms, linearised
 from pvlib_fem.effects._time_profiles import scaled_terms, weights_of
 from pvlib_fem.reasons import Because, Reason, because
 
@@ -408,7 +408,7 @@ def total(column: np.ndarray) -> float:
 
 def terms_of(effect: Effect, columns: Columns) -> Mapping[str, Terms]:
     """Slopes of an effect's terms from where it adds nothing."""
-    return tabled(effect, columns).slopes(columns, effect.start)
+    return linearised(effect, columns).slopes(columns, effect.start)
 
 
 def held(terms: Terms) -> Terms:

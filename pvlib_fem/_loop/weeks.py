@@ -9,7 +9,7 @@ import pandas as pd
 
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.clusters import calendar_weeks
-from pvlib_fem.effects._time_profiles import written
+from pvlib_fem.effects._time_profiles import date_text
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.criteria import Criteria
@@ -100,8 +100,8 @@ def fitted_weeks(spared: Collection[int]) -> Iterator[str]:
     weeks = {int(calendar_weeks(np.array(day))): day for day in sorted(spared)[::-1]}
     for first in sorted(weeks.values()):
         yield (
-            f"the week from {written(first)} on is fitted and not a test week: modules "
-            "may have begun or ended to be stuck in it"
+            f"the week from {date_text(first)} on is fitted and not a test week: "
+            "modules may have begun or ended to be stuck in it"
         )
 
 

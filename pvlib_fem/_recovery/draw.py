@@ -19,9 +19,9 @@ from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import (
     TIME_PROFILES,
     TimeProfile,
+    date_text,
     dates_in_words,
     weights_of,
-    written,
 )
 from pvlib_fem.reasons import Because, Reason, because
 
@@ -230,7 +230,7 @@ def drawn_step(days: np.ndarray, side: int, random: np.random.Generator) -> dict
     edge = max(side, int(EDGE * len(days)))
     if len(days) <= 2 * edge:
         return None
-    return {"at": written(days[random.integers(edge, len(days) - edge)])}
+    return {"at": date_text(days[random.integers(edge, len(days) - edge)])}
 
 
 def drawn_episode(days: np.ndarray, side: int, random: np.random.Generator) -> Any:
@@ -240,12 +240,12 @@ def drawn_episode(days: np.ndarray, side: int, random: np.random.Generator) -> A
         return None
     length = int(np.exp(random.uniform(np.log(2 * side), np.log(most))))
     start = random.integers(side, len(days) - side - length)
-    return {"start": written(days[start]), "end": written(days[start + length])}
+    return {"start": date_text(days[start]), "end": date_text(days[start + length])}
 
 
 def drawn_drift(days: np.ndarray, side: int, random: np.random.Generator) -> Any:
     """A trend from the first day on."""
-    return {"since": written(days[0])}
+    return {"since": date_text(days[0])}
 
 
 DATES = {"step": drawn_step, "episode": drawn_episode, "drift": drawn_drift}

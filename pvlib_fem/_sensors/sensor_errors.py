@@ -11,7 +11,7 @@ from pvlib_fem._record.column_names import is_scaled_copy, twin_of
 from pvlib_fem._record.inputs import Record, as_record
 from pvlib_fem._statistics.weekly_sums import coefficients_from
 from pvlib_fem.effects import CHANGES
-from pvlib_fem.effects._time_profiles import number
+from pvlib_fem.effects._time_profiles import day_number
 from pvlib_fem.quality._screen import screened
 
 SUNNY = 200.0  # W/m², above which over-temperatures are compared
@@ -161,7 +161,7 @@ def steps_of(
             new_steps, key=lambda name: (name in good, abs(new_steps[name]["change"]))
         )
         step = steps[first] = new_steps[first]
-        later = record.dates >= number(step["step"])
+        later = record.dates >= day_number(step["step"])
         air = record["temp_air"]
         before = air + (level[first] - air) / (1.0 + step["change"])
         level[first] = np.where(later, before, level[first])

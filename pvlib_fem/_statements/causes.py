@@ -22,7 +22,7 @@ from pvlib_fem._findings import Finding, Member
 from pvlib_fem._report.formatting import with_error
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._standstill import in_words
-from pvlib_fem.effects._time_profiles import YEAR, is_dated, number, time_profile_of
+from pvlib_fem.effects._time_profiles import YEAR, day_number, is_dated, time_profile_of
 
 MODEL, MODULES = "model", "modules"
 PER_YEAR = " each year"
@@ -182,7 +182,7 @@ def of_instrument(
         return Clause(plain(repair.device), words, reads.action)
     added = repair.added(Fault.from_finding(effect, numbers), coefficients)
     drifts = time_profile_of(effect) == "drift"
-    years = (number(last) - number(first)) / YEAR if drifts else 1.0
+    years = (day_number(last) - day_number(first)) / YEAR if drifts else 1.0
     value, error, low, high = reading_of(added, repair.unit, max(years, 1e-9))
     size = f"{with_error(abs(value), error)} {'K' if repair.unit == 'K' else '%'}"
     words = f"{repair.device} {reads.less if value < 0 else reads.more}".format(size)

@@ -23,9 +23,9 @@ from pvlib_fem._statements.causes import MODEL, MODULES, Clause, clause_of
 from pvlib_fem._statements.clock_sentences import APPLIED, clock_statement
 from pvlib_fem._statements.statement import DAYS, Statement, key_of
 from pvlib_fem.effects import find
-from pvlib_fem.effects._effect import Effect, deciding
+from pvlib_fem.effects._effect import Effect, deciding_measurements
 from pvlib_fem.effects._standstill import in_words
-from pvlib_fem.effects._time_profiles import YEAR, number, written
+from pvlib_fem.effects._time_profiles import YEAR, date_text, day_number
 from pvlib_fem.quality._tracker_standstill import Standing
 
 if TYPE_CHECKING:
@@ -202,7 +202,7 @@ def shares_of(finding: Finding) -> str:
 def action_of(finding: Finding, clauses: list[Clause], effects: list[Effect]) -> str:
     """What to do about a finding."""
     if finding.verdict is Verdict.AMBIGUOUS and len(clauses) > 1:
-        return f"To decide: {'; or '.join(deciding(effects))}"
+        return f"To decide: {'; or '.join(deciding_measurements(effects))}"
     if finding.verdict is Verdict.HINT:
         return ""
     return clauses[0].action
@@ -285,15 +285,15 @@ def standing_statement(standing: Standing, episodes: pd.DataFrame) -> Statement:
         action="Check the drive of the tracker that the irradiance sensor is on",
         certainty=f"{APPLIED} ({standing.days} clear days show it)",
         since=standing.start,
-        until=written(number(standing.end) - 1),
+        until=date_text(day_number(standing.end) - 1),
     )
 
 
 def apart_on(standing: Standing, episodes: pd.DataFrame) -> float:
     """Share of the days of a standstill on which the modules stand out."""
-    first, last = number(standing.start), number(standing.end)
+    first, last = day_number(standing.start), day_number(standing.end)
     some = (
-        min(number(row["end"]) + 1, last) - max(number(row["start"]), first)
+        min(day_number(row["end"]) + 1, last) - max(day_number(row["start"]), first)
         for row in episodes.to_dict("records")
     )
     return sum(max(days, 0.0) for days in some) / (last - first)

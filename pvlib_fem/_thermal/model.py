@@ -32,7 +32,13 @@ from pvlib_fem.drivers import (
     needed_for,
     underived,
 )
-from pvlib_fem.effects._effect import Effect, Parameter, Terms, is_there, known
+from pvlib_fem.effects._effect import (
+    Effect,
+    Parameter,
+    Terms,
+    is_there,
+    with_known_terms,
+)
 from pvlib_fem.quality._outliers import out_of_range
 
 # rows that are solved at a time, with slopes or without: they stay in the cache
@@ -391,7 +397,7 @@ class ThermalModel:
     ) -> "ThermalModel":
         """The model with the terms of its effects computed on a record's columns."""
         given = inputs.columns, coefficients, wanted
-        effects = tuple(known(effect, *given) for effect in self.effects)
+        effects = tuple(with_known_terms(effect, *given) for effect in self.effects)
         return replace(self, effects=effects) if effects else self
 
     def on_rows(self, rows: Any) -> "ThermalModel":

@@ -58,7 +58,9 @@ class Terms:
 
     def plus(self, other: "Terms", times: float = 1.0) -> "Terms":
         """The sum of these terms and ``times`` the others."""
-        return Terms(*(added(own, more, times) for own, more in self.paired(other)))
+        return Terms(
+            *(sum_of_columns(own, more, times) for own, more in self.paired(other))
+        )
 
     def paired(self, other: "Terms") -> list[tuple]:
         """Pairs of equal columns of these terms and others."""
@@ -100,7 +102,7 @@ def is_there(column: float | np.ndarray) -> bool:
     return np.ndim(column) > 0 or column != 0.0
 
 
-def added(
+def sum_of_columns(
     own: float | np.ndarray, more: float | np.ndarray, times: float
 ) -> float | np.ndarray:
     """A column of terms plus ``times`` another; fast if one is the number 0."""
@@ -374,7 +376,7 @@ class FixedTerms:
         return FixedTerms(self.effect, self.terms.part(rows), units)
 
 
-def known(
+def with_known_terms(
     effect: Effect | FixedTerms | LinearisedEffect,
     columns: Columns,
     coefficients: dict,
@@ -404,7 +406,7 @@ def known(
     return FixedTerms(effect, effect.at(columns, coefficients), slopes)
 
 
-def tabled(effect: Effect, columns: Columns) -> Any:
+def linearised(effect: Effect, columns: Columns) -> Any:
     """
     The effect by its slopes on these columns; a nonlinear one as it is.
 
@@ -445,7 +447,7 @@ def tabled(effect: Effect, columns: Columns) -> Any:
     return known if effect.at(columns, inside).part(some).is_near(by_slopes) else effect
 
 
-def deciding(effects: list) -> list:
+def deciding_measurements(effects: list) -> list:
     """
     Measurements that would distinguish some effects from their alternatives.
 

@@ -30,10 +30,10 @@ def by_power(effect: Any, *columns: Any) -> Any:
     tuple of Effect
         Each takes the relation of power to irradiance from the loop's record.
     """
-    return tuple(form(effect, power, columns) for power in PLANT_POWER)
+    return tuple(power_variant(effect, power, columns) for power in PLANT_POWER)
 
 
-def form(effect: Any, power: Any, columns: Any) -> Any:
+def power_variant(effect: Any, power: Any, columns: Any) -> Any:
     """The form of one column of power."""
     kind = power.removeprefix("power")
     names = tuple(n if n in USED else f"{n}{kind}" for n in columns)

@@ -13,7 +13,7 @@ import numpy as np
 
 from pvlib_fem._statistics.extremes import rounded_argmax
 from pvlib_fem.drivers._planes import angles_of, normals
-from pvlib_fem.effects._standstill_days import SHORTEST, Days, falls
+from pvlib_fem.effects._standstill_days import SHORTEST, Days, square_reductions
 
 STEP = 10.0  # ° between planes that are tried; the light between is within 0.4 %
 LEAST_TURN = 10.0  # ° from the first to the last angle of a plane that moves
@@ -184,7 +184,7 @@ def find_standstill(
                 best = fall, angle, tangent, first, last
     _, angle, tangent, first, last = best
     total = days.sums(tangent)
-    gained, _ = falls(*total.between(first, last).plain)
+    gained, _ = square_reductions(*total.between(first, last).plain)
     if not gained > len(rest) * least**2:
         return None
     # largest of so many standard normal values by chance

@@ -62,25 +62,27 @@ class Sums:
     @property
     def plain(self) -> tuple[np.ndarray, np.ndarray]:
         """Products of the standstill with residual and itself, given the fit."""
-        return self.scores[0], unlike(self.given_fit[0], self.squares[0])
+        return self.scores[0], independent_part(self.given_fit[0], self.squares[0])
 
     @property
     def directed(self) -> tuple[np.ndarray, np.ndarray]:
         """The same, given an even loss of light on the same days, too."""
         own, both, even = self.given_fit
-        even = unlike(even, self.squares[2])
+        even = independent_part(even, self.squares[2])
         alike = np.divide(both, even, out=np.zeros_like(even), where=even > 0.0)
         score = self.scores[0] - alike * self.scores[1]
-        return score, unlike(own - alike * both, self.squares[0])
+        return score, independent_part(own - alike * both, self.squares[0])
 
 
-def unlike(independent: np.ndarray, square: np.ndarray) -> np.ndarray:
+def independent_part(independent: np.ndarray, square: np.ndarray) -> np.ndarray:
     """The independent part of a square; a small one counts as zero."""
     kept = independent > UNSEEN * np.maximum(square, 1e-12)
     return np.where(kept, independent, 0.0)
 
 
-def falls(score: np.ndarray, square: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def square_reductions(
+    score: np.ndarray, square: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """
     Fall of the sum of squares by a standstill, and its size.
 
@@ -151,7 +153,7 @@ class Days:
         best = (0.0, 0, 0)
         for length in lengths.tolist():
             first = np.arange(len(self.dates) - length + 1)
-            reductions, _ = falls(*total.between(first, first + length).directed)
+            reductions, _ = square_reductions(*total.between(first, first + length).directed)
             at = rounded_argmax(reductions)
             if reductions[at] > best[0]:
                 best = float(reductions[at]), at, at + length
@@ -176,7 +178,7 @@ class Days:
         others = np.append(before, np.arange(last, len(self.dates) - length, length))
         each, own = total.between(others, others + length), total.between(first, last)
         score, square = getattr(own, way)
-        _, size = falls(score, square)
+        _, size = square_reductions(score, square)
         # without what the coefficients have taken of the standstill
         taken = np.einsum("c,sco->so", own.known[0], each.known)
         each = Sums(each.scores + size * taken, each.squares, each.known)
@@ -199,13 +201,17 @@ class Days:
         be days without rows, as those of test weeks, of which nothing is known.
         """
         begins, ends = np.arange(last), np.arange(first + 1, len(self.dates) + 1)
-        reductions, _ = falls(*total.between(begins, np.full(len(begins), last)).plain)
+        reductions, _ = square_reductions(
+            *total.between(begins, np.full(len(begins), last)).plain
+        )
         shortfall = 1.0 - reductions / reductions.max()
         start = int(self.dates[begins[shortfall * errors**2 <= NOTHING][-1]])
         good = begins[shortfall * min(errors, MOST_SURE) ** 2 <= AS_GOOD]
         before = self.dates[good[0] - 1] + 1 if good[0] else self.dates[0]
         began = int(before), int(self.dates[good[-1]])
-        reductions, _ = falls(*total.between(np.full(len(ends), first), ends).plain)
+        reductions, _ = square_reductions(
+            *total.between(np.full(len(ends), first), ends).plain
+        )
         shortfall = 1.0 - reductions / reductions.max()
         end = int(self.dates[ends[shortfall * errors**2 <= NOTHING][0] - 1]) + 1
         good = ends[shortfall * min(errors, MOST_SURE) ** 2 <= AS_GOOD]

@@ -91,7 +91,7 @@ def about_axis(effects: list, axis_azimuth: Any) -> list:
     ]
 
 
-def turning(effects: list, axis_azimuth: Any) -> tuple[list, dict]:
+def candidates_about_axis(effects: list, axis_azimuth: Any) -> tuple[list, dict]:
     """
     Effects about an axis, as :func:`about_axis` has them, and of others why not.
 

@@ -18,7 +18,7 @@ from pvlib_fem.effects._effect import Effect, Parameter, Terms
 YEAR = 365.2425  # days
 
 
-def number(date: str) -> float:
+def day_number(date: str) -> float:
     """
     Days of a date since 1970-01-01.
 
@@ -46,7 +46,7 @@ def number(date: str) -> float:
     return found
 
 
-def written(day: float) -> str:
+def date_text(day: float) -> str:
     """
     The date of a number of days since 1970-01-01.
 
@@ -65,13 +65,13 @@ def written(day: float) -> str:
 
 def step(at: str, between: Any = None) -> Callable:
     """From a date on. ``between`` is the interval of possible dates."""
-    first = number(at)
+    first = day_number(at)
     return lambda day: (day >= first).astype(float)
 
 
 def episode(start: str, end: str, between: Any = None) -> Callable:
     """From a date until another date, which is the first day after it."""
-    first, last = number(start), number(end)
+    first, last = day_number(start), day_number(end)
     if not first < last:
         raise ValueError(f"start = {start!r} is not before end = {end!r}")
     return lambda day: ((day >= first) & (day < last)).astype(float)
@@ -79,7 +79,7 @@ def episode(start: str, end: str, between: Any = None) -> Callable:
 
 def drift(since: str | None = None) -> Callable:
     """A linear increase, by 1 per year."""
-    first = None if since is None else number(since)
+    first = None if since is None else day_number(since)
     return lambda day: (day - (day[0] if first is None else first)) / YEAR
 
 
@@ -215,7 +215,7 @@ def dates_in_words(dates: Mapping) -> str:
 
 def last_day(end: str) -> str:
     """The day before an end, which is the first day or moment after a change."""
-    return written(np.ceil(number(end)) - 1)
+    return date_text(np.ceil(day_number(end)) - 1)
 
 
 def scaled_terms(effect: Effect) -> ScaledTerms:
@@ -306,13 +306,13 @@ def is_drift(effect: Effect) -> bool:
     return time_profile_of(effect) == "drift"
 
 
-def interval(effect: Effect) -> tuple[float, ...] | None:
+def date_interval(effect: Effect) -> tuple[float, ...] | None:
     """Days between which a change began; None for a trend over the whole record."""
     dates = effect.settings
     begin = dates.get("at") or dates.get("start")
     if begin is None:
         return None
-    return tuple(number(day) for day in dates.get("between") or (begin, begin))
+    return tuple(day_number(day) for day in dates.get("between") or (begin, begin))
 
 
 def along_all(sensor_fault: Effect) -> tuple[Effect, ...]:

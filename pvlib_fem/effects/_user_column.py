@@ -11,7 +11,7 @@ from pvlib_fem.effects._effect import Effect, Parameter, Terms
 IRRADIANCES = ("ghi", "dni", "dhi")
 
 
-def follows(values: np.ndarray, *, heat: float, mean: float) -> Terms:
+def deviation_from_mean(values: np.ndarray, *, heat: float, mean: float) -> Terms:
     """Heat per unit of the column above its mean."""
     return Terms(heat=heat * (values - mean))
 
@@ -35,7 +35,7 @@ def of_column(column: str, mean: float, most: float) -> Effect:
     """
     return Effect(
         f"driver:{column}",
-        partial(follows, mean=mean),
+        partial(deviation_from_mean, mean=mean),
         {"heat": Parameter(0.0, -most, most, f"W/m² per unit of {column}")},
         columns=(column,),
         column=column,

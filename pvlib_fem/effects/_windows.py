@@ -148,7 +148,7 @@ class Sky:
         seen = (self.squares > 0) & some
         if not seen.any():
             return mask, 0.0
-        there, total = self.sums[:, mask].sum(axis=1), totals(self.sums * some)
+        there, total = self.sums[:, mask].sum(axis=1), cumulative_sums(self.sums * some)
         ends = [
             np.flatnonzero(seen.any(axis=axis))[[0, -1]] + [0, 1] for axis in (1, 0)
         ]
@@ -172,7 +172,9 @@ class Sky:
         low, start = (edges.ravel() for edges in np.meshgrid(*first, indexing="ij"))
         high = np.minimum(low + steps[0], ends[0][1])
         end = np.minimum(start + steps[1], ends[1][1])
-        product, square, *known = there[:, None] + box(total, low, high, start, end)
+        product, square, *known = there[:, None] + rectangle_sums(
+            total, low, high, start, end
+        )
         gains = weigh(product, square, np.square(known).sum(axis=0))
         for i in np.argsort(-gains, kind="stable")[:STARTS]:
             if gains[i] > 0:
@@ -201,12 +203,12 @@ def darkest(azimuth: np.ndarray, tangent: np.ndarray, across: float) -> float:
     return float(longest[len(longest) // 2] % cells * across)
 
 
-def totals(sums: np.ndarray) -> np.ndarray:
+def cumulative_sums(sums: np.ndarray) -> np.ndarray:
     """Sums over all cells before each edge."""
     return np.pad(sums, [(0, 0), (1, 0), (1, 0)]).cumsum(axis=1).cumsum(axis=2)
 
 
-def box(
+def rectangle_sums(
     total: np.ndarray,
     low: np.ndarray,
     high: np.ndarray,

@@ -10,7 +10,7 @@ from pvlib.location import Location
 
 from pvlib_fem.drivers import sun
 from pvlib_fem.effects._standstill import in_words, rotations
-from pvlib_fem.effects._time_profiles import dates_in_words, written
+from pvlib_fem.effects._time_profiles import date_text, dates_in_words
 from pvlib_fem.quality._plane import WHOLE, Sky, at_rows
 
 LOWEST = 80.0  # ° from the vertical: in winter the sun of high latitudes is no higher
@@ -235,9 +235,9 @@ def described_standing(
     # in the middle of the days that show neither
     begin = int(last + 1 + first + 1) // 2
     return Standing(
-        start=written(begin),
-        end=written(int(end + after) // 2),
-        between=(written(last + 1), written(first)),
+        start=date_text(begin),
+        end=date_text(int(end + after) // 2),
+        between=(date_text(last + 1), date_text(first)),
         surface_tilt=tilt,
         surface_azimuth=turn,
         days=len(some),

@@ -18,7 +18,13 @@ from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
 from pvlib_fem.drivers import _water as water, derive_drivers
 from pvlib_fem.effects import PHYSICS as EFFECTS, find
-from pvlib_fem.effects._effect import Effect, LinearisedEffect, Parameter, Terms, tabled
+from pvlib_fem.effects._effect import (
+    Effect,
+    LinearisedEffect,
+    Parameter,
+    Terms,
+    linearised,
+)
 
 #: planted coefficients, of the size that is found outdoors
 PLANTED = {
@@ -753,8 +759,8 @@ def test_a_table_of_a_linear_effect_is_the_effect(plant, name):
     model = ThermalModel(STEADY_MODELS["faiman"], "balance", (effect,), base)
     inputs = {n: plant[n] for n in (*DRIVERS, *model.drivers)}
     columns = model.with_drivers(read(inputs)).columns
-    table = tabled(effect, columns)
-    assert isinstance(table, LinearisedEffect) and tabled(table, columns) is table
+    table = linearised(effect, columns)
+    assert isinstance(table, LinearisedEffect) and linearised(table, columns) is table
     values = {
         key: row.lower + 0.8 * (row.upper - row.lower)
         for key, row in effect.rows().items()
@@ -772,7 +778,7 @@ def test_what_is_not_linear_has_no_table(plant):
 
     own = fem.Effect("bent", bent, {"power": fem.Parameter(0.0, -2.0, 2.0, "-")})
     columns = {"wind_speed": plant["wind_speed"].to_numpy()}
-    assert tabled(own, columns) is own
+    assert linearised(own, columns) is own
 
 
 ROWS = 20_000
@@ -794,7 +800,7 @@ def test_whether_an_effect_is_linear_is_tried(form):
     terms, linear = FORMS[form]
     effect = Effect("own", terms, {"a": Parameter(0.0, 0.0, 2.0, "-")})
     columns = {"x": 10.0 * np.random.default_rng(1).random(ROWS)}
-    found = tabled(effect, columns)
+    found = linearised(effect, columns)
     assert isinstance(found, LinearisedEffect) == linear
     ours, theirs = (one.at(columns, {"own.a": 1.3}) for one in (found, effect))
     assert ours.is_near(theirs) and not ours.is_near(Terms())

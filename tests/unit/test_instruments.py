@@ -19,7 +19,7 @@ from pvlib_fem._loop.close import searched
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
 from pvlib_fem.effects import CHANGES, EFFECTS, SENSOR_FAULTS, find
-from pvlib_fem.effects._time_profiles import number, weights_of
+from pvlib_fem.effects._time_profiles import day_number, weights_of
 
 #: sizes that are found outdoors
 SIZES = {
@@ -100,7 +100,7 @@ def test_before_and_after_its_course_a_change_is_nothing_and_all(half_a_year, na
         at = pd.Timestamp("2023-06-01 18:00")
         assert year[at] - plain[at] == pytest.approx(whole[at] - plain[at], rel=0.02)
         return
-    first = number(next(iter(DATES[time_profile(name)].values())))
+    first = day_number(next(iter(DATES[time_profile(name)].values())))
     before = (half_a_year.index - pd.Timestamp(0)) / pd.Timedelta("1D") < first
     np.testing.assert_allclose(found[before], plain[before], rtol=1e-12)
     whole = answer(sensor_fault, size(name))
@@ -196,7 +196,7 @@ def test_a_step_is_found_with_its_date(half_a_year, sensor_fault):
     effect = next(e for e in loop.fit.effects if e.name == first.effect)
     low, high = effect.settings["between"]
     assert low <= "2023-09-15" <= high
-    assert number(high) - number(low) < 30
+    assert day_number(high) - day_number(low) < 30
 
 
 def test_a_stalled_anemometer_is_not_lost_in_the_shape_of_the_model():
@@ -210,7 +210,7 @@ def test_a_stalled_anemometer_is_not_lost_in_the_shape_of_the_model():
     assert first.added and "anemometer_stall_step" in first.candidates
     (effect,) = (e for e in loop.fit.effects if e.name == "anemometer_stall_step")
     low, high = effect.settings["between"]
-    assert low <= day <= high and number(high) - number(low) < 70
+    assert low <= day <= high and day_number(high) - day_number(low) < 70
 
 
 def of_a_world(seed, *change):
@@ -270,7 +270,7 @@ def test_the_step_at_bolzano_is_of_the_spring_of_2012(bolzano):
     first = loop.finding_objects[0]
     assert {"module_sensor_contact_step", "mounting_step"} <= {*first.candidates}
     effect = next(e for e in loop.fit.effects if e.name == first.effect)
-    assert abs(number(effect.settings["at"]) - number("2012-04-01")) < 14
+    assert abs(day_number(effect.settings["at"]) - day_number("2012-04-01")) < 14
     (change,) = first.coefficients.values()
     # so much more over-temperature, or so much less loss
     less = first.effect == "mounting_step"

@@ -21,7 +21,7 @@ from pvlib_fem._recovery.predict import threshold
 from pvlib_fem._recovery.recover import SIZES, planned_injections
 from pvlib_fem._recovery.recovery_result import Recovery, middle_of
 from pvlib_fem.effects import find
-from pvlib_fem.effects._time_profiles import weights_of, written
+from pvlib_fem.effects._time_profiles import date_text, weights_of
 from pvlib_fem.reasons import Reason, because
 
 USUAL = ["poa_global", "temp_air", "wind_speed", "temp_module"]
@@ -114,7 +114,7 @@ def test_an_instrument_reads_something_at_any_size_that_is_put_in(
     """An anemometer whose wind would be below nothing has failed, and not changed."""
     search, loop = done
     days = np.unique(search.case.record.dates)
-    middle, first = (written(day) for day in (days[len(days) // 2], days[0]))
+    middle, first = (date_text(day) for day in (days[len(days) // 2], days[0]))
     dates = {"step": {"at": middle}, "drift": {"since": first}}[time_profile]
     effect = find({"name": f"anemometer_{time_profile}", **dates})
     (name,) = effect.rows()

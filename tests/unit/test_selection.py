@@ -25,7 +25,7 @@ from pvlib_fem._statistics.weekly_sums import (
     products,
 )
 from pvlib_fem.effects import CHANGES, EFFECTS, find
-from pvlib_fem.effects._time_profiles import number, weights_of
+from pvlib_fem.effects._time_profiles import day_number, weights_of
 
 START = 19_358  # 2023-01-01
 CRITERIA = Criteria()
@@ -144,7 +144,7 @@ def test_the_date_of_a_change_is_within_its_interval(time_profile, dates):
     right = 0
     for seed in range(30):
         random, (days, hours) = np.random.default_rng(seed), clock(240)
-        first, *last = (number(day) - START for day in dates)
+        first, *last = (day_number(day) - START for day in dates)
         there = (days >= first) & (days < (last[0] if last else np.inf))
         rest = 1.0 * there + noise(random, len(days), 0.9)
         changing = [CHANGES[f"module_offset_{time_profile}"]]
@@ -156,7 +156,7 @@ def test_the_date_of_a_change_is_within_its_interval(time_profile, dates):
         between = first_days(made, found, [1], 21, errors).settings["between"]
         low, high = between
         right += low <= dates[0] <= high
-        assert number(high) - number(low) < 80
+        assert day_number(high) - day_number(low) < 80
     assert right >= 27
 
 

@@ -17,7 +17,7 @@ from pvlib_fem.drivers import derive_drivers, geometry
 from pvlib_fem.drivers._solar import on_plane
 from pvlib_fem.effects import find
 from pvlib_fem.effects._standstill import Axis, find_standstill, rotations
-from pvlib_fem.effects._time_profiles import number
+from pvlib_fem.effects._time_profiles import day_number
 from pvlib_fem.quality._plane import Sky
 from pvlib_fem.quality._tracker_standstill import nearest_by_day, standing_of
 from pvlib_fem.reasons import Reason
@@ -106,7 +106,7 @@ def test_its_heat_is_the_light_that_is_missing_on_its_days(sound):
             "surface_azimuth": 90.0,
         }
     )
-    days = np.repeat(number("2023-07-02") + np.arange(4.0), 2) + 0.5
+    days = np.repeat(day_number("2023-07-02") + np.arange(4.0), 2) + 0.5
     sky = np.full(8, 0.7), np.full(8, 40.0), np.tile([100.0, 260.0], 4)
     heat = effect.terms(np.full(8, 800.0), *sky, days, share=1.0).heat
     there = np.repeat([False, True, True, False], 2)
@@ -172,18 +172,18 @@ def test_a_row_that_stands_still_is_found(angle, start, end, tmp_path):
     loop = fem.close_loop(data[USUAL], location=WHERE)
     (effect,) = (e for e in loop.fit.effects if e.name == "tracker_stuck")
     dates = effect.settings
-    low, high = map(number, dates["between"])
-    assert low <= number(start) <= high
+    low, high = map(day_number, dates["between"])
+    assert low <= day_number(start) <= high
     # all fitting days but those of less than half the light, and no others
     found, true = (
-        np.arange(number(ends["start"]), number(ends["end"]))
+        np.arange(day_number(ends["start"]), day_number(ends["end"]))
         for ends in (dates, dict(start=start, end=end))
     )
     weeks = loop.weeks.tz_localize(None)
-    fitting = set(weeks.index[weeks == "fitting"].normalize().map(number))
+    fitting = set(weeks.index[weeks == "fitting"].normalize().map(day_number))
     assert {*found} & fitting <= {*true}
     light = data["poa_global"].tz_localize(None).resample("D").sum()
-    light.index = light.index.map(number)
+    light.index = light.index.map(day_number)
     for day in {*true} & fitting - {*found}:
         assert light[day] < 0.5 * light[[*true]].median()
     side = 90.0 if angle < 0 else 270.0
@@ -200,7 +200,7 @@ def test_a_row_that_stands_still_is_found(angle, start, end, tmp_path):
     assert "were stuck at about" in statement["text"] and way in statement["text"]
     text = statement["text"]
     assert dates["start"] in text and f"until {statement['until']} " in text
-    assert number(statement["until"]) == number(dates["end"]) - 1
+    assert day_number(statement["until"]) == day_number(dates["end"]) - 1
     assert (statement["since"], statement["device"]) == (dates["start"], "tracker")
     assert "drive of the tracker" in statement["action"] or "To decide" in str(
         statement
@@ -339,9 +339,9 @@ def test_a_sensor_that_stands_with_the_modules_is_seen_by_its_light(
         how["mount"] = pvlib.pvsystem.SingleAxisTrackerMount(0, 180, 60, True, 0.35)
     loop = fem.close_loop(data[[n for n in USUAL if n in data]], **how)
     (found,) = loop.standings
-    low, high = map(number, found.between)
-    assert low <= number(stuck.start) <= high
-    assert abs(number(found.end) - number(stuck.end)) <= 3
+    low, high = map(day_number, found.between)
+    assert low <= day_number(stuck.start) <= high
+    assert abs(day_number(found.end) - day_number(stuck.end)) <= 3
     assert found.surface_tilt == pytest.approx(30.0, abs=8.0)
     assert found.surface_azimuth == pytest.approx(270.0, abs=2.0)
     assert found.after < 0.25 * found.before
@@ -373,7 +373,7 @@ def test_a_sensor_that_stands_level_differs_less_from_one_that_turns():
     angles = tuple(data[name].to_numpy() for name in USUAL[-2:])
     place = Location(site.latitude, site.longitude, tz=site.tz)
     (found,) = standing_of(data["poa_global"], data.index, place, angles)
-    assert abs(number(found.start) - number(stuck.start)) <= 3
+    assert abs(day_number(found.start) - day_number(stuck.start)) <= 3
     assert found.surface_tilt < 8.0 and found.before < 0.2
 
 

@@ -76,7 +76,7 @@ def unused(light_unused_dc: np.ndarray, *, share: float) -> Terms:
     return Terms(heat=share * light_unused_dc)
 
 
-def below(
+def low_output_effect(
     efficiency: float | None = None,
     snow: bool = False,
     gamma: float = GAMMA,
@@ -114,7 +114,7 @@ def of_record(
     if len(share):
         full = share > (1.0 - missing) * np.quantile(share, 0.75)
         efficiency = float(np.median(share[full]))
-    return below(efficiency, "snow_depth" in columns, gamma, missing)
+    return low_output_effect(efficiency, "snow_depth" in columns, gamma, missing)
 
 
 EFFECT = Effect(
@@ -129,7 +129,7 @@ EFFECT = Effect(
         "an error of the irradiance sensor, which power measures, too",
     ),
     source="power per area",
-    make=below,
+    make=low_output_effect,
     prepare=of_record,
 )
 BY_PLANT = replace(

@@ -80,7 +80,7 @@ def within_any(
     return inside
 
 
-def within(windows: Sequence, sensor: bool = False) -> Effect:
+def window_effect(windows: Sequence, sensor: bool = False) -> Effect:
     """
     The effect of an obstacle that covers some windows of the sky.
 
@@ -171,7 +171,7 @@ def scan(
     }
     sensor = windows_by_kind[True][0] > windows_by_kind[False][0]
     windows = windows_by_kind[sensor][1]
-    return within(windows, sensor=sensor) if windows else None
+    return window_effect(windows, sensor=sensor) if windows else None
 
 
 def everywhere(
@@ -205,5 +205,8 @@ EVERYWHERE = Effect(
 )
 #: low sun in the east as a default; a scan finds the windows of a real obstacle
 EFFECT = replace(
-    within([(60.0, 180.0, 0.0, 15.0)]), make=within, scan=scan, scanned_from=EVERYWHERE
+    window_effect([(60.0, 180.0, 0.0, 15.0)]),
+    make=window_effect,
+    scan=scan,
+    scanned_from=EVERYWHERE,
 )

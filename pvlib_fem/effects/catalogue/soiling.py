@@ -34,7 +34,7 @@ def terms(
     return Terms(heat=per_day * days_since_rain * poa_global)
 
 
-def cleaned(
+def soiling_by_rain(
     cleaning: float = 1.0, within: float = 3.0, dirtiest: float = 60.0
 ) -> Effect:
     """
@@ -65,7 +65,7 @@ def scan(
         # constant soiling is in the coefficients, and no longer in the residual
         one = one - (one @ even) / (even @ even) * even
         alike.append((rest @ one) ** 2 / (one @ one) if one.any() else 0.0)
-    return cleaned(*RAINS[int(np.argmax(alike))])
+    return soiling_by_rain(*RAINS[int(np.argmax(alike))])
 
 
 #: rain that may clean [mm] and its duration [h]: a shower, and Kimber's day
@@ -84,7 +84,7 @@ EFFECT = Effect(
         "poa_misalignment",
         "the steady model's coefficients, if soiling is constant",
     ),
-    make=cleaned,
+    make=soiling_by_rain,
     scan=scan,
     scanned_from=Effect(
         "soiling",

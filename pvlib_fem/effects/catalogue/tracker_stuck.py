@@ -10,7 +10,7 @@ import pandas as pd
 from pvlib_fem.drivers._solar import on_plane
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
 from pvlib_fem.effects._standstill import find_standstill, rotations
-from pvlib_fem.effects._time_profiles import number, written
+from pvlib_fem.effects._time_profiles import date_text, day_number
 from pvlib_fem.effects._windows import orthonormal
 from pvlib_fem.reasons import Reason
 
@@ -48,17 +48,17 @@ def terms(
        plane of a rotation, as in :func:`pvlib.tracking.calc_surface_orientation`.
     """
     light = on_plane(clearness, solar_zenith, solar_azimuth, *plane)
-    heat = share * stands(day, dates) * (light - poa_global)
+    heat = share * standstill_mask(day, dates) * (light - poa_global)
     return Terms(heat=heat)
 
 
-def stands(day: pd.Index, dates: tuple) -> np.ndarray:
+def standstill_mask(day: pd.Index, dates: tuple) -> np.ndarray:
     """1 on the days from one until the other, which is the first one after."""
     first, last = dates
     return ((day >= first) & (day < last)).astype(float)
 
 
-def standing(
+def standstill_effect(
     start: Any = None,
     end: Any = None,
     surface_tilt: float = 0.0,
@@ -85,8 +85,8 @@ def standing(
     Effect
     """
     dates = (
-        -np.inf if start is None else number(start),
-        np.inf if end is None else number(end),
+        -np.inf if start is None else day_number(start),
+        np.inf if end is None else day_number(end),
     )
     if not dates[0] < dates[1]:
         raise ValueError(f"start = {start!r} is not before end = {end!r}")
@@ -115,7 +115,7 @@ def standing(
             "shading",
             "modules_covered",
         ),
-        make=standing,
+        make=standstill_effect,
         not_found=Reason.NO_STANDSTILL,
         turns=True,
     )
@@ -159,11 +159,11 @@ def of_record(columns: Any, rows: Any) -> Any:
         columns=DRIVERS,
         not_found=EFFECT.not_found,
     )
-    scan = partial(scanned, axis=axis, angles=angles, wide=wide)
+    scan = partial(scan_axis, axis=axis, angles=angles, wide=wide)
     return replace(EFFECT, prepare=None, scan=scan, scanned_from=wide)
 
 
-def scanned(
+def scan_axis(
     rest: np.ndarray,
     tangents: dict,
     columns: Any,
@@ -184,9 +184,11 @@ def scanned(
         return None
     angle, start, end, *intervals = best
     ((tilt, turn),) = axis.planes(np.array([angle])).round(1).tolist()
-    between, ended = ([written(day) for day in days] for days in intervals)
-    return standing(written(start), written(end), tilt, turn, between, ended)
+    between, ended = ([date_text(day) for day in days] for days in intervals)
+    return standstill_effect(
+        date_text(start), date_text(end), tilt, turn, between, ended
+    )
 
 
 #: level on all days as a default; a record's orientations have the planes to try
-EFFECT = replace(standing(), prepare=of_record)
+EFFECT = replace(standstill_effect(), prepare=of_record)
