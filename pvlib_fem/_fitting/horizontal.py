@@ -160,7 +160,7 @@ def files_in_plane(
     """
     Files with ``poa_global``, which is transposed block by block.
 
-    Of the files' own values only impossible ones are left out before; the screening of
+    Of the files' own values only impossible ones are removed before; the screening of
     a fit has the rules for ``poa_global``, which it then applies to what is made.
 
     Parameters
