@@ -153,7 +153,9 @@ class Days:
         best = (0.0, 0, 0)
         for length in lengths.tolist():
             first = np.arange(len(self.dates) - length + 1)
-            reductions, _ = square_reductions(*total.between(first, first + length).directed)
+            reductions, _ = square_reductions(
+                *total.between(first, first + length).directed
+            )
             at = rounded_argmax(reductions)
             if reductions[at] > best[0]:
                 best = float(reductions[at]), at, at + length
