@@ -17,8 +17,8 @@ from pvlib_fem.drivers._planes import (
     TILT,
     ByColumns,
     by_rotation,
-    missing_remedy,
     floats,
+    missing_remedy,
     normals,
 )
 from pvlib_fem.drivers._solar import sun

@@ -146,7 +146,19 @@ def by_rotation(data: Any, mount: Any) -> Any:
 
 
 def floats(name: str, column: Any) -> Any:
-    """A column of angles as floats; ValueError with its name for other content."""
+    """
+    A column of angles as floats; ValueError with its name for other content.
+
+    Parameters
+    ----------
+    name : str
+    column : Series, shape (rows,)
+        Angles. [°]
+
+    Returns
+    -------
+    Series, shape (rows,)
+    """
     return pd.Series(as_numbers(name, column, column.index), column.index)
 
 
