@@ -12,6 +12,7 @@ import pandas as pd
 from pvlib_fem._record.checks import instants
 from pvlib_fem._record.months import in_english
 from pvlib_fem._record.time_formats import ISO, without_letters
+from pvlib_fem._record.time_ranges import ends_of_ranges, has_ranges
 from pvlib_fem._record.zone_candidates import standard_offset
 from pvlib_fem._spelling import did_you_mean
 
@@ -67,6 +68,10 @@ def with_time_index(
         (with_filled_dates(columns) is not columns) and rows_below_date(columns).sum()
     ):
         notes.append(f"dates that stand once a day, taken for the rows below: {rows:,}")
+    if columns.shape[1] == 1 and has_ranges(first := columns.iloc[:, 0]):
+        notes.append(
+            f"times are ranges, as {first.iloc[0]!r}: the end of each is taken"
+        )
     if layout.drop_untimed and (without := rows_without_time(columns)).any():
         notes.append(
             f"rows without a time, left out: {without.sum():,}, the first is row "
@@ -395,11 +400,11 @@ def joined_times(columns: pd.DataFrame) -> Any:
     -------
     Series
         One column as it is, except that a date that stands once a day is in all rows of
-        it; parts as texts with a space between them.
+        it, and of a range its end; parts as texts with a space between them.
     """
     first, *others = (column for _, column in with_filled_dates(columns).items())
     if not others:
-        return first
+        return ends_of_ranges(first) if has_ranges(first) else first
     text = [column.map(as_text) for column in others]
     if len(text) == 1 or text[-1].str.len().max() > 2:
         text[-1] = text[-1].str.zfill(4)  # 930 is 09:30

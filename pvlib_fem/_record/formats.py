@@ -53,6 +53,7 @@ HOURS += ("%I:%M%p", "%I:%M:%S%p", "%Hh%M")  # the last as in French
 OF_YEAR = (
     {"%Y": r"year|yr|yyyy", "%m": r"month|mon", "%d": r"day( of month)?|dd"},
     {"%Y": r"year|yr|yyyy", "%j": r"doy|day[ _]?of[ _]?year|j(ulian)?[ _]?day"},
+    {"%Y%m%d": r"yyyymmdd|date"},
 )
 OF_DAY = (
     {"%H%M": r"hhmm|hour[ _/]?min(ute)?|time"},

@@ -341,6 +341,40 @@ def test_a_proposal_says_which_part_of_the_place_is_not_given(plant, tmp_path):
     assert not_given(path, command="fit") == ""
 
 
+def test_the_end_of_each_range_of_times_is_taken(plant, tmp_path):
+    """With a date in the end or without, over midnight, from the proposed command."""
+    ends = plant.index
+    starts = ends - pd.Timedelta(minutes=10)
+    day = "%d.%m.%Y "
+    written = {
+        "short": starts.strftime(day + "%H:%M") + " - " + ends.strftime("%H:%M"),
+        "whole": starts.strftime(day + "%H:%M") + " – " + ends.strftime(day + "%H:%M"),
+        "words": starts.strftime("%Y-%m-%d %H:%M:%S to ") + ends.strftime("%H:%M:%S"),
+    }
+    for name, times in written.items():
+        path = tmp_path / f"{name}.csv"
+        plant[list(COLUMNS)].set_axis(times).to_csv(path, index_label="Period")
+        words = proposed(call("fit", path, "--guess"))
+        forms = [b for a, b in pairwise(words) if a == "--time-format"]
+        read = fem.read_file(path, time_format=(forms or ["ISO8601"])[0])
+        assert (read.index == ends).all()
+        assert read.attrs["notes"] == [
+            f"{name}.csv: times are ranges, as {times[0]!r}: the end of each is taken"
+        ]
+
+
+def test_a_date_and_an_hour_as_numbers_are_proposed(plant, tmp_path):
+    data = plant[list(COLUMNS)]
+    data.insert(0, "HHMM", data.index.strftime("%H%M"))
+    data = data.set_axis(data.index.strftime("%Y%m%d"))
+    data.to_csv(path := tmp_path / "plant.csv", index_label="YYYYMMDD")
+    words = proposed(call("fit", path, "--guess"))
+    assert words[words.index("--time") + 1] == "YYYYMMDD,HHMM"
+    form = words[words.index("--time-format") + 1]
+    read = fem.read_file(path, time=("YYYYMMDD", "HHMM"), time_format=form)
+    assert (read.index == plant.index).all()
+
+
 def test_a_counter_is_listed_as_one(plant, tmp_path):
     """It is no column of power, whatever its unit."""
     data = plant[list(COLUMNS)].assign(power_ac=plant["poa_global"].clip(lower=0.0))
