@@ -18,7 +18,7 @@ NEEDED = object()  # in place of the default of a key that has to be there
 
 
 @contextmanager
-def replacing(path: Any) -> Iterator:
+def replacing(path: Any) -> Iterator[Path]:
     """
     Write to a temporary file in the same folder and rename it at the end.
 
@@ -134,7 +134,7 @@ def as_json(content: Any) -> Any:
 
 
 @contextmanager
-def opened(path: Any, kinds: Sequence) -> Iterator:
+def opened(path: Any, kinds: Sequence) -> Iterator["Stored"]:
     """
     Open the content of a file that has one of some formats.
 
@@ -252,7 +252,7 @@ class Stored:
     def part(self, key: str) -> "Stored":
         return Stored(self.read(key, dict), self.file, f"{self.place}{key}.")
 
-    def parts(self, key: str) -> list:
+    def parts(self, key: str) -> list["Stored"]:
         """The parts of a list of objects."""
         items = enumerate(self.read(key, list[dict]))
         return [Stored(one, self.file, f"{self.place}{key}.{i}.") for i, one in items]

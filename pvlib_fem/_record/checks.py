@@ -158,7 +158,7 @@ def plain_steps(
     return index, steps, 1.0
 
 
-def no_datetimes(name: str, index: Any) -> Any:
+def no_datetimes(name: str, index: Any) -> str:
     """
     Message for a Series whose index has no times, with the remedy.
 
@@ -222,7 +222,7 @@ def datetime_steps(index: Any, name: str) -> Any:
     return steps, unit
 
 
-def instants(index: Any) -> Any:
+def instants(index: Any) -> np.ndarray:
     """
     The times as numpy has them, in UTC where they have a zone.
 
@@ -402,7 +402,7 @@ def as_given(name: str, value: Any, index: pd.Index | tuple) -> np.ndarray:
     return values
 
 
-def not_a_number(name: str, values: Any, row: Any, index: Any) -> Any:
+def not_a_number(name: str, values: Any, row: Any, index: Any) -> ValueError:
     """The error of text in a column, of which one bad entry makes all of it text."""
     words = [entry if isinstance(entry, str) else "0" for entry in values]
     numeric = pd.to_numeric(pd.Series(words, dtype=object), errors="coerce")

@@ -109,7 +109,7 @@ class CleanRecord:
         """The record with columns that the files do not hold."""
         return replace(self, added=(*self.added, more))
 
-    def holes_of(self, name: str) -> Any:
+    def holes_of(self, name: str) -> np.ndarray:
         """Spans of rows of a column that were found at fault."""
         return self.holes.get(name, NONE)
 
@@ -132,7 +132,7 @@ class CleanRecord:
         for start, columns in self.source.values(self.names):
             yield start, self.cleaned(columns, start, len(columns[self.names[0]]))
 
-    def cleaned(self, columns: Any, start: int, rows: int) -> dict:
+    def cleaned(self, columns: Any, start: int, rows: int) -> dict[str, np.ndarray]:
         """Columns of a block as they are screened."""
         columns = dict(columns)
         for name, values in columns.items():

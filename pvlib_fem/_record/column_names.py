@@ -72,7 +72,7 @@ OTHER_LIGHT = re.compile(r"poa_(rear|direct|beam|diffuse|(sky|ground)_diffuse)(_
 TWIN = re.compile(r"(poa|poa_global|temp_air|wind_speed|temp_module)_\w+")
 
 
-def twin_of(name: Hashable) -> Any:
+def twin_of(name: Hashable) -> str | None:
     """
     The usual column of which one is a second sensor, by its name.
 
@@ -149,7 +149,7 @@ def known_values(name: str, values: np.ndarray, poa_global: np.ndarray) -> np.nd
     return known | (poa_global <= DAYLIGHT) if name in PLANT_POWER else known
 
 
-def plant_power(record: Any, most: float) -> dict:
+def plant_power(record: Any, most: float) -> dict[str, pd.Series]:
     """
     Columns of a plant's power that are there by day, which effects may follow.
 
@@ -318,7 +318,7 @@ def refuse_no_frame(data: Any) -> None:
         )
 
 
-def of_horizontal(missing: list, columns: dict) -> Iterator:
+def of_horizontal(missing: list, columns: dict) -> Iterator[str | ShellText]:
     """
     What a refusal adds where ``poa_global`` can be made of ``ghi``.
 
@@ -339,7 +339,7 @@ def of_horizontal(missing: list, columns: dict) -> Iterator:
         yield TRANSPOSED
 
 
-def of_others(missing: list, columns: dict) -> Iterator:
+def of_others(missing: list, columns: dict) -> Iterator[str | ShellText]:
     """What a refusal adds where missing columns can be made of others."""
     yield from of_horizontal(missing, columns)
     for name in missing:
@@ -349,7 +349,7 @@ def of_others(missing: list, columns: dict) -> Iterator:
             yield filled_from(others[0])
 
 
-def filled_from(name: str) -> Any:
+def filled_from(name: str) -> ShellText:
     """
     The step by which a second source replaces the usual one, as text.
 
@@ -476,7 +476,7 @@ def of_several(columns: dict | pd.Index) -> tuple:
     return f". Of {len(sensors)} module sensors give one as temp_module, or ", COMPARED
 
 
-def numeric(columns: Mapping | pd.DataFrame) -> dict:
+def numeric(columns: Mapping | pd.DataFrame) -> dict[str, pd.Series]:
     """
     Columns that hold numbers, and no infinity.
 

@@ -49,7 +49,7 @@ class Summary:
     sha256: str
 
     @property
-    def measured(self) -> list:
+    def measured(self) -> list[str]:
         """Names of the record's own columns, in order."""
         return measured_names(self.missing, self.columns)
 
@@ -107,7 +107,7 @@ def summary_of(record: Any) -> Summary:
     )
 
 
-def measured_names(missing: dict, columns: tuple | Columns) -> list:
+def measured_names(missing: dict, columns: tuple | Columns) -> list[str]:
     return [n for n in missing if n in columns and n not in GEOMETRY]
 
 

@@ -87,7 +87,7 @@ def with_time_index(
     return data, notes
 
 
-def times_of_others(data: pd.DataFrame, time_format: str) -> list:
+def times_of_others(data: pd.DataFrame, time_format: str) -> list[str]:
     """What is said of columns that hold times, too, other than those of the rows."""
     offsets = {name: off_rows(column, time_format) for name, column in data.items()}
     offsets = {name: off for name, off in offsets.items() if off}
@@ -118,7 +118,7 @@ def off_rows(column: pd.Series, time_format: str) -> float:
     return abs(off).max().total_seconds() if (off != off[0]).any() else 0.0
 
 
-def rows_without_time(columns: pd.DataFrame) -> Any:
+def rows_without_time(columns: pd.DataFrame) -> np.ndarray:
     """
     Rows that hold no time in any form: nothing, or a text without a digit.
 
@@ -164,7 +164,7 @@ def with_filled_dates(columns: pd.DataFrame) -> Any:
     return columns.assign(**{str(first.name): first.mask(rows, above)})
 
 
-def of_numbers(data: Any) -> Any:
+def of_numbers(data: Any) -> pd.DataFrame:
     """
     The table with columns as numbers where all of their cells are.
 
@@ -254,7 +254,7 @@ def refuse_numbers(time_format: str, name: str) -> None:
 
 def no_time(
     columns: pd.DataFrame, column: pd.Series, lacking: np.ndarray, time_format: str
-) -> Any:
+) -> ValueError:
     """The error of rows that hold no time, or one of another format."""
     name = " and ".join(f"{name!r}" for name in columns)
     several = " (joined by a space)" if columns.shape[1] > 1 else ""
@@ -281,7 +281,9 @@ def no_time(
     )
 
 
-def parsed_times(column: pd.Series, time_format: str, tz: str | None = None) -> Any:
+def parsed_times(
+    column: pd.Series, time_format: str, tz: str | None = None
+) -> pd.Series:
     """
     Read texts as times, NaT where they are none.
 
@@ -334,7 +336,7 @@ def parsed_as(column: Any, time_format: str) -> pd.Series:
     return pd.to_datetime(column, utc=True, **how) if parsed.dtype == object else parsed
 
 
-def lettered_times(column: Any, time_format: str, tz: str | None) -> Any:
+def lettered_times(column: Any, time_format: str, tz: str | None) -> pd.Series:
     """The times of texts that name their zone by letters, as instants."""
     text, form, hours = without_letters(column, time_format, tz)
     local = parsed_times(text, form)
@@ -387,7 +389,7 @@ def unevenness(column: pd.Series) -> tuple[int, float]:
     return int((steps <= 0).sum()), float(np.abs(steps).sum())
 
 
-def joined_times(columns: pd.DataFrame) -> Any:
+def joined_times(columns: pd.DataFrame) -> pd.Series:
     """
     The times as one column, where a file has them in one or in several.
 
@@ -432,7 +434,7 @@ def as_text(value: float | str) -> str:
     return str(value).strip()
 
 
-def zoned(index: Any, tz: str) -> Any:
+def zoned(index: Any, tz: str) -> pd.DatetimeIndex:
     """
     Times in a zone, of which none may be lost.
 
@@ -531,7 +533,7 @@ def naive_in_zone(index: Any, tz: str) -> Any:
     return local[there & ~once], there, once
 
 
-def once_only(index: Any, tz: str, once: Any) -> Any:
+def once_only(index: Any, tz: str, once: Any) -> list[str]:
     """
     Note on rows in an hour that a clock shows twice, and a file has once.
 
@@ -556,7 +558,7 @@ def once_only(index: Any, tz: str, once: Any) -> Any:
     ]
 
 
-def skipped(index: Any, tz: Any, there: Any) -> list:
+def skipped(index: Any, tz: Any, there: Any) -> list[str]:
     """
     Note on rows at times that a clock never shows.
 

@@ -41,7 +41,7 @@ class Footer:
     groups: tuple
 
     @property
-    def names(self) -> Any:
+    def names(self) -> str:
         return ", ".join(self.schema.names)
 
     def kind(self, name: str) -> Any:
@@ -93,7 +93,7 @@ def found_files(data: Any) -> tuple[list, None]:
     return sorted(map(str, files)), None
 
 
-def without_parquet(folder: Any) -> Any:
+def without_parquet(folder: Any) -> str:
     """What was looked for in a folder, and what is there instead."""
     kinds = Counter(p.suffix.lower() for p in folder.rglob("*") if p.is_file())
     there = ", ".join(
@@ -139,7 +139,7 @@ def parquet_file(file: str, filesystem: Any) -> Any:
         raise ValueError(f"{file} is no Parquet file that can be read") from error
 
 
-def footers_of(files: list, filesystem: Any, time: str | None) -> Iterator:
+def footers_of(files: list, filesystem: Any, time: str | None) -> Iterator[Footer]:
     """
     Footers of the files that have rows.
 
@@ -276,7 +276,7 @@ def common_columns(footers: list, columns: Mapping) -> tuple[dict, dict]:
     return common, partial
 
 
-def groups_of(file: Any, opened: Any, time: str) -> Iterator:
+def groups_of(file: Any, opened: Any, time: str) -> Iterator[RowGroup]:
     """The row groups of one file, with their first and last times."""
     place = opened.schema_arrow.names.index(time)
     for number in range(opened.num_row_groups):

@@ -132,7 +132,7 @@ def of_letters(columns: Any, layout: Layout, doubts: list) -> Any:
     return replace(layout, tz=zones[0]) if zones else layout
 
 
-def in_parts(raw: pd.DataFrame) -> dict:
+def in_parts(raw: pd.DataFrame) -> dict[str, str]:
     """Columns that hold the parts of the times by their names, and their formats."""
     for first, second in product(OF_YEAR, OF_DAY):
         parts = {}
@@ -353,7 +353,7 @@ def clock_times(raw: pd.DataFrame, layout: Layout) -> pd.DatetimeIndex:
     return pd.DatetimeIndex(pd.to_datetime(text, format=form, errors="coerce"))
 
 
-def time_columns(raw: pd.DataFrame, layout: Layout) -> Any:
+def time_columns(raw: pd.DataFrame, layout: Layout) -> list[str]:
     """
     The columns of the times: the given ones, or the first.
 

@@ -31,7 +31,7 @@ from pvlib_fem._record.header_units import (
     unit_of,
     usual_name_of,
 )
-from pvlib_fem._record.kept_rows import good_texts, kept, pairs_of
+from pvlib_fem._record.kept_rows import good_texts, pairs_of, with_good_rows
 from pvlib_fem._record.layout import Layout, found_layout
 from pvlib_fem._record.logger_files import file_table, frame, texts
 from pvlib_fem._record.long_tables import tag_and_value
@@ -65,7 +65,7 @@ class Guess:
     unused: dict = field(default_factory=dict)  # reason to columns that are not used
 
     @property
-    def there(self) -> set:
+    def there(self) -> set[str]:
         """Names of the package that have a column."""
         return {*self.columns, *self.free}
 
@@ -163,7 +163,7 @@ def with_tags(
     others = raw.columns.difference([*times, *pair])
     if not layout.keep and (good := good_texts(raw, others)):
         layout = replace(layout, keep=tuple(good))
-        kept(raw, layout.keep, doubts)
+        with_good_rows(raw, layout.keep, doubts)
     for column in others.difference([*pairs_of(layout.keep)]):
         words = raw[column].value_counts()
         if not pd.api.types.is_numeric_dtype(raw[column]) and len(words) > 1:
@@ -272,7 +272,7 @@ def in_units(guessed: Guess, data: dict, below: dict) -> None:
             )
 
 
-def texts_of_missing(raw: pd.DataFrame, layout: Layout) -> tuple:
+def texts_of_missing(raw: pd.DataFrame, layout: Layout) -> tuple[str, ...]:
     """Texts in columns of numbers, which stand for missing ones."""
     texts = {}
     for name, column in raw.items():

@@ -183,7 +183,7 @@ class Inputs:
         """The inputs with other values of some columns, or with more of them."""
         return replace(self, columns=self.columns | columns)
 
-    def frame(self) -> Any:
+    def frame(self) -> pd.DataFrame:
         """The columns as a frame, in double precision."""
         return pd.DataFrame(dict(self.columns), self.index)
 
@@ -332,7 +332,7 @@ def read(
     step: float | None = None,
     times: Any = None,
     purpose: str = "this model",
-) -> Any:
+) -> "Inputs":
     """
     Bring series, arrays and numbers onto common times.
 

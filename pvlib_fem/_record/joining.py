@@ -134,12 +134,12 @@ def stacked_tables(
     return pd.concat([t[first.columns] for t in same]), f"{names[0]} … {names[-1]}"
 
 
-def first_time(table: pd.DataFrame) -> Any:
+def first_time(table: pd.DataFrame) -> float:
     """The first time, as a number that is the same in any zone."""
     return table.index.min().timestamp() if len(table) else np.inf
 
 
-def last_time(table: pd.DataFrame) -> Any:
+def last_time(table: pd.DataFrame) -> float:
     """The last one."""
     return table.index.max().timestamp() if len(table) else -np.inf
 
@@ -155,7 +155,7 @@ def refuse_disorder(table: pd.DataFrame, name: str) -> None:
         )
 
 
-def span_text(table: pd.DataFrame) -> Any:
+def span_text(table: pd.DataFrame) -> str:
     return f"{table.index[0]:%Y-%m-%d %H:%M} to {table.index[-1]:%Y-%m-%d %H:%M}"
 
 
@@ -204,7 +204,7 @@ def onto(
     return pd.DataFrame(parts, index)
 
 
-def means_at_places(values: Any, place: Any, size: int, angle: Any) -> Any:
+def means_at_places(values: Any, place: Any, size: int, angle: Any) -> np.ndarray:
     """Means of the rows at each of so many places, NaN where none is there."""
     if angle:
         turned = np.radians(values)

@@ -38,18 +38,20 @@ def pairs_of(keep: Iterable[str]) -> dict[str, list[str]]:
     ValueError
         If one has another form.
     """
-    found: dict[str, list[str]] = {}
+    pairs: dict[str, list[str]] = {}
     for one in keep:
         column, equals, text = one.partition("=")
         if not (equals and column and text):
             raise ValueError(
                 f"--keep {one!r}: it has to be COLUMN=TEXT, such as Quality=Good"
             )
-        found.setdefault(column, []).append(text)
-    return found
+        pairs.setdefault(column, []).append(text)
+    return pairs
 
 
-def kept(data: pd.DataFrame, keep: Sequence[str], notes: list[str]) -> pd.DataFrame:
+def with_good_rows(
+    data: pd.DataFrame, keep: Sequence[str], notes: list[str]
+) -> pd.DataFrame:
     """
     The rows of a table with one of the texts in each column that it has.
 
@@ -166,12 +168,12 @@ def good_texts(data: pd.DataFrame, others: Iterable[str]) -> list[str]:
     list of str
         ``COLUMN=TEXT`` of columns that have other texts, too.
     """
-    found = []
+    texts = []
     for column in others:
         if not QUALITY.search(str(column)) or data[column].nunique() > MOST_WORDS:
             continue
         words = texts_of(data[column]).unique()
         good = [word for word in words if GOOD.fullmatch(word)]
         if good and len(words) > len(good):
-            found += [f"{column}={word}" for word in good]
-    return found
+            texts += [f"{column}={word}" for word in good]
+    return texts

@@ -9,7 +9,7 @@ import pandas as pd
 EMPTY = re.compile(r"Unnamed: \d+(_level_\d+)?")
 
 
-def joined_labels(levels: list) -> list:
+def joined_labels(levels: list) -> list[str]:
     """
     One name for each column, of the levels of its label from the top.
 
@@ -40,7 +40,7 @@ def bare(cell: str) -> str:
     return "" if EMPTY.fullmatch(text) else text
 
 
-def merged(levels: list) -> list:
+def merged(levels: list) -> list[list[str]]:
     """
     Header lines, with empty cells filled from the left in all but the last line.
 
@@ -58,7 +58,7 @@ def merged(levels: list) -> list:
     return [*map(filled_level, upper), last]
 
 
-def filled_level(level: Any) -> Any:
+def filled_level(level: Any) -> list[str]:
     cells, before = [], ""
     for cell in level:
         before = cell or before
@@ -66,13 +66,13 @@ def filled_level(level: Any) -> Any:
     return cells
 
 
-def levels_of(data: Any) -> Any:
+def levels_of(data: Any) -> list[list]:
     """The levels of the labels of a table."""
     labels = data.columns
     return [list(labels.get_level_values(n)) for n in range(labels.nlevels)]
 
 
-def with_flat_labels(data: Any) -> Any:
+def with_flat_labels(data: Any) -> pd.DataFrame:
     """
     The table with labels of several levels joined to one text.
 
@@ -90,7 +90,7 @@ def with_flat_labels(data: Any) -> Any:
     return data.set_axis(joined_labels(levels_of(data)), axis=1)
 
 
-def flat_header(data: pd.DataFrame) -> Any:
+def flat_header(data: pd.DataFrame) -> pd.DataFrame:
     """
     The table with one name for each column, of a header in which cells span columns.
 

@@ -114,7 +114,7 @@ def encoding_of(file: Path) -> str:
     return "utf-8"
 
 
-def text_rows(sheet: pd.DataFrame) -> list:
+def text_rows(sheet: pd.DataFrame) -> list[list[str]]:
     """Rows of a sheet as text."""
     text = sheet.astype(object).where(sheet.notna(), "")
     return [[str(cell) for cell in row] for row in text.to_numpy()]
@@ -158,7 +158,7 @@ def likeness(rows: list, decimal: str) -> float:
     )
 
 
-def header_lines(rows: list, decimal: str) -> Any:
+def header_lines(rows: list, decimal: str) -> tuple[dict, dict]:
     """The header and lines to leave out, and the units that one of these gives."""
     width = width_of(rows)
     data = [is_data(row, width, decimal) for row in rows]
@@ -186,7 +186,7 @@ def header_lines(rows: list, decimal: str) -> Any:
     return dict(skip_rows=skip, header_rows=len(header)), units
 
 
-def header_of(rows: list, above: list) -> list:
+def header_of(rows: list, above: list) -> list[int]:
     """
     Lines that make the header: one whose names differ, or some that do so joined.
 

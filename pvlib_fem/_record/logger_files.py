@@ -21,7 +21,7 @@ from pvlib_fem._record.header_units import (
     usual_name_of,
 )
 from pvlib_fem._record.joining import joined_tables, stacked_tables
-from pvlib_fem._record.kept_rows import kept, refuse_unknown, ungraded
+from pvlib_fem._record.kept_rows import refuse_unknown, ungraded, with_good_rows
 from pvlib_fem._record.labels import flat_header, with_flat_labels
 from pvlib_fem._record.layout import COMMENT, EXCEL, PARQUET, SPACES, TIME, Layout
 from pvlib_fem._record.long_tables import wide_table
@@ -154,7 +154,9 @@ def frame(
         for one in pieces:
             data = plain_table(one, layout)
             headers.append(data.columns)
-            data = kept(data, layout.keep, marked := [*ungraded(data, layout)])
+            data = with_good_rows(
+                data, layout.keep, marked := [*ungraded(data, layout)]
+            )
             data, lost = with_time_index(by_tag(data, layout), layout, one.name)
             read.append(data)
             notes += [f"{one.name}: {note}" for note in marked + lost]
@@ -206,7 +208,7 @@ def file_table(file: Path, layout: Layout) -> pd.DataFrame:
     ValueError
         If the file cannot be read so, or its tags make no columns.
     """
-    return by_tag(kept(plain_table(file, layout), layout.keep, []), layout)
+    return by_tag(with_good_rows(plain_table(file, layout), layout.keep, []), layout)
 
 
 def by_tag(data: pd.DataFrame, layout: Layout) -> pd.DataFrame:
@@ -284,7 +286,7 @@ class TooLarge(ValueError):
     """A file that would take all memory."""
 
 
-def texts(data: pd.DataFrame) -> list:
+def texts(data: pd.DataFrame) -> list[str]:
     """
     Names of the columns of text.
 
@@ -384,13 +386,13 @@ def refuse_row(data: pd.DataFrame, file: Path) -> None:
         )
 
 
-def without_end(file: Any, layout: Layout) -> Any:
+def without_end(file: Any, layout: Layout) -> io.StringIO:
     """The text of a file without its last lines; empty ones do not count."""
     lines = file.read_text(layout.encoding).rstrip().split("\n")
     return io.StringIO("\n".join(lines[: -layout.skip_end]))
 
 
-def without_comments(source: Any, encoding: Any) -> Any:
+def without_comments(source: Any, encoding: Any) -> io.StringIO:
     """The text of a file without the signs before the lines above its table."""
     if isinstance(source, Path):
         source = io.StringIO(source.read_text(encoding))

@@ -12,7 +12,7 @@ EVEN = 0.5  # share of the most frequent tag's rows that each of the usual has, 
 FULL = 0.5  # share of the cells that have to be there, where tags share their times
 
 
-def wide_table(data: Any, tag: Any, value: Any, times: Any) -> Any:
+def wide_table(data: Any, tag: Any, value: Any, times: Any) -> pd.DataFrame:
     """
     The table with a column for each tag.
 

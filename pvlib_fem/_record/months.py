@@ -59,7 +59,7 @@ def in_english(text: str, whole: bool) -> str:
     return HALF.sub(lambda half: half[1].upper() + "M", WORD.sub(month, text))
 
 
-def plain_word(word: str) -> Any:
+def plain_word(word: str) -> str:
     """A word in small letters without accents and its full stop."""
     apart = unicodedata.normalize("NFKD", word.strip(".").lower())
     return "".join(letter for letter in apart if not unicodedata.combining(letter))

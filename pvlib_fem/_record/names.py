@@ -2,7 +2,6 @@
 
 import re
 import unicodedata
-from typing import Any
 
 import pandas as pd
 
@@ -73,7 +72,7 @@ NOT = re.compile(
 FEWEST_RISES = 10  # of a counter; a flag that is set once is none
 
 
-def mapped(data: dict, columns: dict, names: tuple, doubts: list) -> dict:
+def mapped(data: dict, columns: dict, names: tuple, doubts: list) -> dict[str, str]:
     """
     The map with the columns that look like a name that none has yet.
 
@@ -169,7 +168,7 @@ def without_unit(column: str) -> str:
     return re.sub(r"[\[({].*?[\])}]", "", str(column))
 
 
-def usual_name(column: str) -> Any:
+def usual_name(column: str) -> str | None:
     """
     The package's name that a column's name looks like.
 
@@ -206,7 +205,7 @@ def is_own(column: str) -> bool:
     return column in (*ALIASES, *GEOMETRY) or usual_name_of(column) is not None
 
 
-def unmapped(columns: dict) -> dict:
+def unmapped(columns: dict) -> dict[str, str]:
     """
     Columns that look like the driver of an effect, or like power.
 
@@ -224,7 +223,7 @@ def unmapped(columns: dict) -> dict:
     return {column: name for column, name in usual_names.items() if name in DRIVERS}
 
 
-def unused_columns(columns: dict, taken: set) -> dict:
+def unused_columns(columns: dict, taken: set) -> dict[str, list[str]]:
     """
     Why columns are not used, by reason.
 

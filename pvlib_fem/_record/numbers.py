@@ -24,13 +24,13 @@ MARKED = re.compile(r"[+-]?\d+(?:[.,]\d+)?\s*[^\w\s.,:/%°-]")
 SPACES = r"[ \u00a0\u202f]"  # also those at which no line breaks
 
 
-def grouped_number(thousands: str, decimal: str) -> Any:
+def grouped_number(thousands: str, decimal: str) -> re.Pattern[str]:
     """The form of a number with a sign between its thousands."""
     sign = SPACES if thousands == " " else re.escape(thousands)
     return re.compile(rf"[+-]?[1-9]\d{{0,2}}({sign}\d{{3}})+({re.escape(decimal)}\d*)?")
 
 
-def ungrouped(column: Any, thousands: Any, decimal: str) -> Any:
+def ungrouped(column: Any, thousands: Any, decimal: str) -> pd.Series:
     """
     Numbers of a column of text; what is none stays as it is.
 
@@ -63,7 +63,7 @@ def ungrouped(column: Any, thousands: Any, decimal: str) -> Any:
     return column.astype(object).map(number, na_action="ignore").infer_objects()
 
 
-def unmarked(column: Any, marks: Any, decimal: str) -> Any:
+def unmarked(column: Any, marks: Any, decimal: str) -> pd.Series:
     """
     A column of text without the numbers that one of some marks stands behind.
 
@@ -92,7 +92,7 @@ def unmarked(column: Any, marks: Any, decimal: str) -> Any:
     return column.astype(object).map(number, na_action="ignore").infer_objects()
 
 
-def marks_of(texts: list, decimal: str) -> tuple:
+def marks_of(texts: list, decimal: str) -> tuple[str, ...]:
     """
     Marks behind the numbers of columns that have others without one.
 

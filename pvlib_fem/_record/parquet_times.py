@@ -86,7 +86,7 @@ def clock_change_hours(groups: Any, tz: Any) -> Any:
     return [(noons[i] - NEAR, noons[i + 1] + NEAR) for i in at.tolist()]
 
 
-def meets_change(group: Any, pairs: Any) -> Any:
+def meets_change(group: Any, pairs: Any) -> bool:
     return any(group.first <= end and begin <= group.last for begin, end in pairs)
 
 

@@ -31,7 +31,7 @@ LETTERS = re.compile(r"\b(?!AM\b|PM\b)[A-Z]{3,5}\b")
 DAYS = [datetime(2023, month, 1) for month in (1, 7)]
 
 
-def names_of(tz: str | None) -> Any:
+def names_of(tz: str | None) -> dict[str, float]:
     """The letters of a zone's clock, and their hours before UTC."""
     try:
         times = [day.replace(tzinfo=ZoneInfo(tz)) for day in DAYS] if tz else []
@@ -41,7 +41,7 @@ def names_of(tz: str | None) -> Any:
     return {name: offset.total_seconds() / 3600.0 for name, offset in offsets.items()}
 
 
-def zones_of(column: Any) -> Any:
+def zones_of(column: Any) -> list[str]:
     """
     The zones that the letters of times may mean, where these are of several.
 
@@ -84,7 +84,9 @@ def last_letters(text: str) -> str:
     return all_letters[-1] if all_letters else ""
 
 
-def without_letters(column: Any, time_format: str, tz: str | None = None) -> Any:
+def without_letters(
+    column: Any, time_format: str, tz: str | None = None
+) -> tuple[pd.Series, str, Any]:
     """
     Texts and format without the letters of a zone, and their hours before UTC.
 
@@ -123,7 +125,7 @@ def without_letters(column: Any, time_format: str, tz: str | None = None) -> Any
     return pd.Series(bare, column.index), time_format.replace("%Z", " "), hours
 
 
-def unknown_letters_error(name: str, row: Any, time_format: str) -> Any:
+def unknown_letters_error(name: str, row: Any, time_format: str) -> ValueError:
     """The error of letters that do not tell the distance from UTC."""
     if name in SEVERAL:
         zones = " or ".join(f"--tz {zone}" for zone in SEVERAL[name])

@@ -100,7 +100,7 @@ def zone_of_offsets(clock: Any, instants: Any) -> str | None:
     return None
 
 
-def of_summer_time(index: Any) -> list:
+def of_summer_time(index: Any) -> list[str]:
     """Zones in which the clock goes back at the times at which this one does."""
     steps = np.diff(index.to_numpy()) / np.timedelta64(1, "h")
     usual = np.median(steps[steps > 0]) if (steps > 0).any() else 0.0
@@ -125,7 +125,7 @@ def goes_back(time: Any, zone: Any) -> bool:
     return bool(twice.isna()[0]) and ahead[0] > ahead[2]
 
 
-def standard_offset(zone: Any) -> Any:
+def standard_offset(zone: Any) -> float:
     """
     Hours by which a zone's standard time is before UTC.
 

@@ -139,7 +139,7 @@ def compare_modules(
     )
 
 
-def shared_residuals(record: Record, fits: dict) -> dict:
+def shared_residuals(record: Record, fits: dict) -> dict[str, dict[str, float]]:
     """RMS residual of each fit in sun, its part common with the others, and its own."""
     residuals = {name: fit.residual.to_numpy() for name, fit in fits.items()}
     rows = np.isfinite(sum(residuals.values())) & (record["poa_global"] > SUNNY)

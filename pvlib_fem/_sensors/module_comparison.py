@@ -57,7 +57,7 @@ class ModuleComparison:
         return self.table.to_html(float_format="{:.3f}".format, na_rep="–")
 
 
-def printout_lines(comparison: ModuleComparison) -> Iterator:
+def printout_lines(comparison: ModuleComparison) -> Iterator[str]:
     """Yield the lines of the printout."""
     table = comparison.table
     used = table[table["used"]]
@@ -98,7 +98,7 @@ def printout_lines(comparison: ModuleComparison) -> Iterator:
             yield f"{row.Index}: {note}" + ("" if row.used else " (not used)")
 
 
-def row_cells(row: Any) -> tuple:
+def row_cells(row: Any) -> tuple[str, ...]:
     """Cells of a sensor's row of the printout."""
     step = f"{row.change:+.1%} from {row.step}" if row.step else "–"
     errors = (number_text(value, ".2f") for value in (row.left, row.common, row.own))
@@ -111,5 +111,5 @@ def row_cells(row: Any) -> tuple:
     )
 
 
-def number_text(value: float, form: str) -> Any:
+def number_text(value: float, form: str) -> str:
     return format(value, form) if np.isfinite(value) else "–"

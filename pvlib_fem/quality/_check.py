@@ -42,13 +42,13 @@ class Health:
         return {name: int(rows.sum()) for name, rows in self.frozen.items()}
 
     @property
-    def unchecked(self) -> tuple:
+    def unchecked(self) -> tuple[str, ...]:
         """What could not be checked, one line each."""
         whys = (self.clock.why if not self.clock.fault else "", self.noon.why)
         return tuple(filter(None, whys))
 
     @property
-    def notes(self) -> tuple:
+    def notes(self) -> tuple[str, ...]:
         """One line each, with its remedy: the faults, and what was not checked."""
         return (*self.faults.values(), *self.unchecked)
 
@@ -58,7 +58,7 @@ def unusable_rows(frozen: dict) -> np.ndarray:
     return np.any([frozen[name] for name in POSSIBLE], axis=0)
 
 
-def frozen_in(record: Record, limits: Limits) -> dict:
+def frozen_in(record: Record, limits: Limits) -> dict[str, np.ndarray]:
     """Rows of stuck sensors whose drivers change, by one clock."""
     frozen = stuck_rows(record, limits)
     # their drivers are known without the module's column, which may be off by hours

@@ -14,7 +14,9 @@ from pvlib.location import Location
 TABLE = "zone1970.tab"  # of the tz database: a zone's own place, among others
 
 
-def transitions(index: pd.DatetimeIndex, zone: str) -> Iterator:
+def transitions(
+    index: pd.DatetimeIndex, zone: str
+) -> Iterator[tuple[pd.Timestamp, float]]:
     """
     Times, in standard time, at which a zone's clock moves in a record.
 
@@ -85,7 +87,7 @@ def wall_time(time: Any) -> Any:
 
 def zones_around(
     location: Location, time: pd.Timestamp, offset: float | pd.Index
-) -> Iterator:
+) -> Iterator[str]:
     """
     Zones of a standard time that move their clocks, the nearest place first.
 
@@ -114,7 +116,7 @@ def zones_around(
 
 
 @cache
-def zone_places() -> dict:
+def zone_places() -> dict[str, tuple[float, float]]:
     """Latitude and longitude of each zone's own place, in degrees."""
     coordinates = {}
     for line in zone_table().splitlines():

@@ -276,7 +276,7 @@ def may_be_transition(
     earliest: pd.Timestamp,
     latest: pd.Timestamp,
     limits: Limits,
-) -> Any:
+) -> bool:
     """
     Whether a jump may be this transition.
 
@@ -316,7 +316,7 @@ def standard_index(
     return times if index.tz is None else times.tz_localize(index.tz), kept
 
 
-def standard_zone(index: pd.DatetimeIndex) -> Any:
+def standard_zone(index: pd.DatetimeIndex) -> str:
     """The fixed zone of the same standard time."""
     hours = zone_offsets(index.tz_convert("UTC"), str(index.tz)).min() / 3600
     return f"Etc/GMT{-hours:+.0f}" if hours == round(hours) else "that of standard time"

@@ -207,7 +207,7 @@ class Look:
         self.rows += len(block)
 
     @property
-    def step(self) -> Any:
+    def step(self) -> float:
         """Median step. [s]"""
         return round(median(self.steps) * self.unit, 9)  # in µs 240 s are 3e-14 more
 

@@ -49,7 +49,7 @@ def hours_of(blocks: list, changes: list) -> tuple:
     return tuple((start, late - standard) for start, late in hours)
 
 
-def side_of(late: float) -> Any:
+def side_of(late: float) -> str:
     """
     Say on which side of correct times the timestamps of a clock are.
 

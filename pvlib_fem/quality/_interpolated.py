@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -24,7 +23,7 @@ MOST = 20.0 * 86400.0  # s of a record that are looked at
 SHARE = 0.99  # of the rows that follow the ends of their period
 
 
-def interpolated_columns(inputs: Inputs) -> Iterator:
+def interpolated_columns(inputs: Inputs) -> Iterator[str]:
     """
     Report columns whose values are further apart than the rows.
 
@@ -59,7 +58,7 @@ def interpolated_columns(inputs: Inputs) -> Iterator:
 
 def filling_of(
     values: np.ndarray, seconds: np.ndarray, step: float, periods: list
-) -> Any:
+) -> tuple[str, float] | None:
     """How a column is filled between values a period apart, in words, and which one."""
     there = np.isfinite(values)
     values, seconds = values[there], seconds[there]

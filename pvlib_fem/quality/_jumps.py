@@ -9,7 +9,7 @@ from pvlib_fem.quality._onset import HOUR
 
 def jumps_of(
     day: np.ndarray, middle: np.ndarray, limits: Limits, apart: bool = False
-) -> list:
+) -> list[dict]:
     """
     Days at which the middle of the light moves for good, or for some days.
 

@@ -152,7 +152,7 @@ def by_module_logger(columns: dict | Columns, retime: Callable) -> dict:
 
 def daily_grid(
     seconds: np.ndarray, columns: tuple, step: float, count: int
-) -> Iterator:
+) -> Iterator[np.ndarray]:
     """Means of columns over even steps of whole days; NaN on days without rows."""
     row = np.round(seconds / step - 1e-6).astype(np.int64)
     number = row // count
@@ -216,7 +216,7 @@ class Products:
             self.cross[lag] = self.lagged_product(self.poa, self.module, lag)
         return self.cross[lag]
 
-    def by_day(self, one: np.ndarray, other: np.ndarray, lag: int = 0) -> Any:
+    def by_day(self, one: np.ndarray, other: np.ndarray, lag: int = 0) -> np.ndarray:
         """Products for each day of the first column."""
         later = np.zeros_like(other)
         end = len(other)
@@ -285,7 +285,9 @@ def weighed_lag(sums: Products, step: float, limits: Limits) -> Lag:
     return Lag(late, step, sure, share, float(ratio), best, tried[best][0])
 
 
-def hours_by_days(sums: Products, overall: Lag, limits: Limits) -> list:
+def hours_by_days(
+    sums: Products, overall: Lag, limits: Limits
+) -> list[tuple[int, int]]:
     """From which day on the module is how many rows late; one pair if it is so always.
 
     Stretches are of months, since a few weeks of one sky may be an accident.

@@ -67,7 +67,7 @@ class Clock:
             late += self.drift * (np.asarray(seconds) - self.middle) / DAY
         return late + offsets(self.hours, seconds)
 
-    def corrected(self, seconds: np.ndarray, values: np.ndarray) -> Any:
+    def corrected(self, seconds: np.ndarray, values: np.ndarray) -> np.ndarray:
         """
         A column of the module's logger by the clock of the irradiance.
 
@@ -199,7 +199,7 @@ def unknown_clock(reason: str) -> Clock:
     return Clock(why=f"the module's clock was not checked: {reason}")
 
 
-def jumps_between(sums: Sums, blocks: list, limits: Limits) -> list:
+def jumps_between(sums: Sums, blocks: list, limits: Limits) -> list[dict]:
     """Days at which the clock moved by an hour, and by what. [s]"""
     shape, jumps = usual_response(sums.step), []
     for one, other, end in zip(blocks, blocks[1:], [*blocks[2:], {"day": len(sums)}]):

@@ -136,7 +136,9 @@ def levels(
     return tuple(zip(starts, np.where(small, 0.0, late)))
 
 
-def noon_faults(late: float, jumps: tuple, step: float, limits: Limits) -> dict:
+def noon_faults(
+    late: float, jumps: tuple, step: float, limits: Limits
+) -> dict[str, str]:
     faults = {}
     if abs(late) > limits.daylight_tolerance + step / 2:
         faults["file_shift"] = (

@@ -192,7 +192,7 @@ def usual_response(step: float) -> np.ndarray:
     return decays(lags, step, 0.0)[:, 1:3].mean(axis=1)
 
 
-def measured_blocks(sums: Sums, changes: list, limits: Any) -> list:
+def measured_blocks(sums: Sums, changes: list, limits: Any) -> list[dict]:
     """
     Onset of the module's answer in blocks of some days.
 

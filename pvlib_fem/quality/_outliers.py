@@ -151,7 +151,7 @@ def packed(days: np.ndarray, side: int) -> np.ndarray:
     return np.cumsum(np.minimum(gaps, side + 1))
 
 
-def is_light(usual: pd.DataFrame, day: Any, slot: Any, limits: Limits) -> Any:
+def is_light(usual: pd.DataFrame, day: Any, slot: Any, limits: Limits) -> np.ndarray:
     """
     Whether some parts of days are light on the days around.
 
@@ -194,7 +194,9 @@ ENDS = {
 }
 
 
-def range_ends(name: str, values: np.ndarray, index: pd.Index, limits: Limits) -> list:
+def range_ends(
+    name: str, values: np.ndarray, index: pd.Index, limits: Limits
+) -> list[float]:
     """
     Values beyond which a column does not go, since its sensor's range ends there.
 

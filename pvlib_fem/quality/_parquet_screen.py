@@ -26,13 +26,13 @@ class Screened:
     clipped: int = 0
 
     @property
-    def notes(self) -> tuple:
+    def notes(self) -> tuple[str, ...]:
         lines = map(fault_sentence, self.fault_rows)
         source: Any = self.record.source  # of files, which have notes
         return (*source.notes, *lines, *self.odd)
 
     @property
-    def impossible(self) -> dict:
+    def impossible(self) -> dict[str, int]:
         """Rows of each column that were not measured, those that repeat aside."""
         counts = Counter()
         for one in self.fault_rows:

@@ -39,7 +39,7 @@ class Plane:
     days: int  # clear days of which they are
 
     @property
-    def angles(self) -> dict:
+    def angles(self) -> dict[str, float]:
         """Both by their names."""
         names = ("surface_tilt", "surface_azimuth")
         return {name: getattr(self, name) for name in names}
@@ -51,7 +51,7 @@ class Plane:
         return bool((np.abs(apart) > SURE * np.array(self.errors)).any())
 
     @property
-    def errors(self) -> Any:
+    def errors(self) -> tuple[float, float]:
         return self.tilt_error, self.azimuth_error
 
     def __str__(self) -> str:
@@ -136,7 +136,7 @@ def fixed_rather(
     index: pd.DatetimeIndex,
     location: Location,
     late: float = 0.0,
-) -> Any:
+) -> tuple[float, float] | None:
     """
     The fixed plane that the light of clear days has, rather than one that moves.
 
@@ -321,7 +321,7 @@ class Sky:
         errors = np.sqrt((GROUPS - 1) / GROUPS * (apart**2).sum(axis=0))
         return angles, errors, np.sqrt(np.mean(sky.residual(angles) ** 2))
 
-    def rows(self, kept: np.ndarray) -> Any:
+    def rows(self, kept: np.ndarray) -> "Sky":
         """The clear sky of some rows."""
         return Sky(*(column[kept] for column in vars(self).values()))
 
@@ -368,7 +368,7 @@ class Sky:
         residual = self.residual(angles)
         return np.bincount(self.day, residual**2) / np.bincount(self.day)
 
-    def least_residual(self, angles: Any) -> Any:
+    def least_residual(self, angles: Any) -> float:
         """RMS residual in a plane, of the days that fit it best."""
         return float(np.sqrt(np.sort(self.by_day(angles))[: self.most].mean()))
 

@@ -1,7 +1,6 @@
 """The screening of a record in memory, the same for all that takes one."""
 
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -33,7 +32,7 @@ class Faults:
         return rows
 
     @property
-    def impossible(self) -> dict:
+    def impossible(self) -> dict[str, int]:
         """Rows of each column that were not measured, those that repeat aside."""
         masks = {
             name: self.faulty_rows(name, ("stuck",))
@@ -42,7 +41,7 @@ class Faults:
         return {name: int(np.count_nonzero(rows)) for name, rows in masks.items()}
 
     @property
-    def counts(self) -> Any:
+    def counts(self) -> pd.DataFrame:
         """A row for each column and kind."""
         rows = []
         for kind, columns in self.masks.items():
@@ -53,7 +52,7 @@ class Faults:
         return pd.DataFrame(rows, columns=["column", "kind", "rows", "first", "value"])
 
     @property
-    def notes(self) -> tuple:
+    def notes(self) -> tuple[str, ...]:
         """The findings in sentences."""
         return tuple(map(fault_sentence, self.counts.itertuples()))
 

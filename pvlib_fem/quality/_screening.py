@@ -83,7 +83,7 @@ def fault_sentence(row: Any) -> str:
     return f"{row.column} {what} {many} {row.first}: not used"
 
 
-def empty_error(row: "FaultRow") -> Any:
+def empty_error(row: "FaultRow") -> ValueError:
     """The error of a column in which nothing but one kind of fault was found."""
     return ValueError(
         f"{row.column} holds nothing but the fill value {row.value:g}, from "
@@ -189,7 +189,7 @@ class Screener:
         """The look at the remaining values, if a rule removed some that others see."""
         self.look = Look.from_record(self.clean, self.limits)
 
-    def refuse_nothing(self, needed: tuple) -> dict:
+    def refuse_nothing(self, needed: tuple) -> dict[str, int]:
         """Refuse a column without a value."""
         at, rows = self.clean.source.time_at, self.look.rows
         missing = {name: one.missing for name, one in self.look.columns.items()}
@@ -266,7 +266,7 @@ class Screener:
             self.note("light by night", "poa_global", *map(np.concatenate, zip(*parts)))
             self.look_again()
 
-    def light(self) -> set:
+    def light(self) -> set[int]:
         """Parts of days that are light on the days around, as numbers."""
         sums, counts, negative = Counter(), Counter(), set()
         for block in self.clean.blocks(("poa_global",)):
@@ -350,7 +350,7 @@ class Screener:
             calm = becalmed(clean, self.look.step, rest, self.limits)
             self.note("stuck", "wind_speed", *calm)
 
-    def faults(self) -> Iterator:
+    def faults(self) -> Iterator[FaultRow]:
         """The faults, in the order of kinds and columns."""
         for kind in KINDS:
             for name in self.clean.names:
@@ -358,7 +358,7 @@ class Screener:
                     rows = count_rows(self.fault_spans[kind][name])
                     yield FaultRow(name, kind, rows, *self.first[kind, name])
 
-    def masks(self) -> dict:
+    def masks(self) -> dict[str, dict[str, np.ndarray]]:
         """Booleans of all rows, by kind and column."""
         rows = len(self.clean)
         return {

@@ -115,7 +115,7 @@ class Standing:
         return Runs(*[*parts, long])
 
 
-def most_kept(rows: int, changes: Any, limits: Limits) -> Any:
+def most_kept(rows: int, changes: Any, limits: Limits) -> float:
     """
     Rows in which a value may repeat the one before it by chance.
 
@@ -126,7 +126,9 @@ def most_kept(rows: int, changes: Any, limits: Limits) -> Any:
     return np.log(limits.max_stuck_chance) / np.log1p(-changes / rows)
 
 
-def whole_run(value: float, rows: int, first: int, last: int, unit: float = 1.0) -> Any:
+def whole_run(
+    value: float, rows: int, first: int, last: int, unit: float = 1.0
+) -> Runs:
     """
     The one repetition of a column that never moves.
 
@@ -279,7 +281,9 @@ SEEN_BY = {
 }
 
 
-def frozen(clean: CleanRecord, standing: dict, rests: dict, limits: Limits) -> dict:
+def frozen(
+    clean: CleanRecord, standing: dict, rests: dict, limits: Limits
+) -> dict[str, np.ndarray]:
     """
     Spans of rows in which a sensor is stuck, by column.
 
@@ -370,7 +374,9 @@ class Extents:
                     merge(self.bounds[name, other, margin], i, columns[other][rows])
 
     @staticmethod
-    def rows(block: Block, count: np.ndarray, runs: Runs, i: Any, margin: float) -> Any:
+    def rows(
+        block: Block, count: np.ndarray, runs: Runs, i: Any, margin: float
+    ) -> slice:
         """Rows of a block that lie in the i-th repetition, within a margin."""
         first = max(runs.first[i] - block.start, 0)
         last = min(runs.last[i] + 1 - block.start, len(block))
@@ -450,7 +456,9 @@ def may_rest(wind: np.ndarray, rest: float, usual: float, limits: Limits) -> boo
     return counts.max(initial=0) * usual > limits.stale_calm_window
 
 
-def becalmed(clean: CleanRecord, usual: float, rest: float, limits: Limits) -> list:
+def becalmed(
+    clean: CleanRecord, usual: float, rest: float, limits: Limits
+) -> list[np.ndarray]:
     """
     Rows of wind at rest for longer than a calm lasts.
 
@@ -522,7 +530,7 @@ def refuse_frozen(record: Record, frozen: dict) -> None:
         raise frozen_error(whole[0], [whole_line(record, name) for name in whole])
 
 
-def frozen_error(name: str, lines: list) -> Any:
+def frozen_error(name: str, lines: list) -> ValueError:
     """
     The error of sensors that never move.
 
@@ -581,7 +589,7 @@ def one_line(record: Record, name: str, rows: np.ndarray) -> str:
     )
 
 
-def whole_line(record: Record, name: str) -> Any:
+def whole_line(record: Record, name: str) -> str:
     """The line of a column that never moves."""
     values = record[name]
     seen = np.flatnonzero(np.isfinite(values))

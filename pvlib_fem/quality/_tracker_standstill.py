@@ -53,7 +53,7 @@ class Standing:
     after: float
 
     @property
-    def when(self) -> Any:
+    def when(self) -> str:
         """Its days in words."""
         return dates_in_words({**asdict(self), "between": self.between})
 
@@ -67,7 +67,7 @@ class Standing:
             "angles"
         )
 
-    def rows(self, index: pd.DatetimeIndex) -> Any:
+    def rows(self, index: pd.DatetimeIndex) -> np.ndarray:
         """Rows of some times on its days."""
         local = index.tz_localize(None)
         first, last = pd.Timestamp(self.start), pd.Timestamp(self.end)
@@ -137,14 +137,14 @@ def standing_of(
     )
 
 
-def residual_by_day(sky: Any, plane: Any) -> Any:
+def residual_by_day(sky: Any, plane: Any) -> np.ndarray:
     """Relative residual of each day against a clear sky in a plane. [-]"""
     modelled = sky.on_plane(plane)
     columns = sky.poa**2, modelled**2, sky.poa * modelled
     return relative_residual(*(np.bincount(sky.day, column) for column in columns))
 
 
-def relative_residual(whole: Any, square: Any, both: Any) -> Any:
+def relative_residual(whole: Any, square: Any, both: Any) -> np.ndarray:
     """Residual of a light with a scale of its own, by the sums of their products."""
     square_residual = whole - both**2 / np.maximum(square, 1e-9)
     return np.sqrt(np.maximum(square_residual, 0.0) / np.maximum(whole, 1e-9))
@@ -171,7 +171,7 @@ def nearest_by_day(sky: Any, planes: Any, turns: Any) -> tuple[Any, Any]:
         [-], [°]
     """
 
-    def by_day(column: Any) -> Any:
+    def by_day(column: Any) -> np.ndarray:
         return np.bincount(sky.day, column)
 
     whole = by_day(sky.poa**2)
@@ -222,7 +222,7 @@ def described_standing(
     moving: Any,
     last: Any,
     after: Any,
-) -> Any:
+) -> Standing:
     """The days, and the plane that leaves least of them."""
     there = np.isin(sky.day, some)
     part = sky.rows(there)

@@ -144,7 +144,7 @@ def unit_of_driver(
     return ""
 
 
-def options_of(column: Any, name: str, values: Any) -> Any:
+def options_of(column: Any, name: str, values: Any) -> list[str]:
     """
     Options that read a column of a file as what it looks like, in its unit.
 
@@ -324,7 +324,7 @@ class UnitDoubt:
     unit: str = ""  # that can be converted
     why: str = ""
 
-    def error(self) -> Any:
+    def error(self) -> ValueError:
         """The error that refuses the record."""
         way_round = f"; if {self.right} right, give "
         words = spelled(self.what, ". ", self.remedy, way_round, UNCHECKED)
@@ -621,7 +621,7 @@ def of_difference(inputs: Inputs, night: Any) -> UnitDoubt:
 
 def oddities(
     inputs: Inputs, limits: Limits | None = None, absent: tuple = ()
-) -> Iterator:
+) -> Iterator[str]:
     """
     What looks odd in the columns but may be so.
 
@@ -679,7 +679,7 @@ def oddities(
         )
 
 
-def slope_of(y: np.ndarray, x: np.ndarray) -> Any:
+def slope_of(y: np.ndarray, x: np.ndarray) -> float:
     """Slope of the regression line, 0 where there is none."""
     if len(x) < 20 or np.ptp(x) == 0:
         return 0.0
