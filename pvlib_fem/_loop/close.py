@@ -351,7 +351,9 @@ class Search:
         self.report("fitting the model without effects")
         self.steps |= self.fits.bases(steady)
         base = self.fits.better(self.steps)
-        step = raw = self.steps[base] = self.steps[base].as_base()
+        # the last row of all is the final model's, also without an effect
+        step = raw = self.steps.pop(base).as_base()
+        self.steps[base] = step
         if self.case.clock.fault:
             self.report("correcting the clock")
             case = self.case

@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from dataclasses import fields, replace
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -739,3 +740,21 @@ def test_360_degrees_is_north():
     )
     assert whole.fit.coefficients == pytest.approx(north.fit.coefficients, rel=1e-9)
     assert whole.effects == north.effects
+
+
+@pytest.mark.parametrize("dynamics", ["ewm", "balance"])
+def test_the_last_row_of_errors_is_of_the_final_model(dynamics):
+    """Of two forms without effects, the one that the loop takes comes last."""
+    data = fem.datasets.synthetic(days=90, step=600, seed=3)
+    weather = [data[name] for name in ("poa_global", "temp_air", "wind_speed")]
+    form = {
+        "ewm": partial(fem.fem_temperature, tau=600.0),
+        "balance": partial(fem.heat_balance, capacity=22e3),
+    }[dynamics](*weather, model="faiman", u0=25, u1=5)
+    noise = np.random.default_rng(0).normal(0.0, 0.4, len(data))
+    loop = fem.close_loop(data.assign(temp_module=form + noise), effects=[])
+    assert loop.fit.dynamics == dynamics and not loop.patterns
+    assert {"fem", "balance"} <= {*loop.table.index}
+    assert loop.table.index[-1] == loop.last
+    row = loop.table.loc[loop.last, "rmse_test"]
+    assert loop.table["rmse_test"].iloc[-1] == row == loop.table["rmse_test"].min()
