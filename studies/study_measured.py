@@ -112,7 +112,7 @@ def run(draws, processes):
 INTRO = """\
 # What the loop says of measured records, drawn ten times
 
-The records are those of {{doc}}`guide/public_records`, each with its location and its
+The records are those of {doc}`guide/public_records`, each with its location and its
 zone and nothing else. No log of either plant is published, so this page cannot show
 whether a finding is *right*. It shows whether the same record gives the same findings
 again with other test weeks.
