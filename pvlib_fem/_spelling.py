@@ -1,7 +1,7 @@
 """What Python and a shell spell differently, in one message."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any, Self
 
@@ -33,6 +33,22 @@ def spelled(*parts: str) -> ShellText:
     ShellText
     """
     return ShellText("".join(parts), "".join(map(in_shell, parts)))
+
+
+def no_columns(names: Sequence[str]) -> str:
+    """
+    Say that data have none of some columns.
+
+    Parameters
+    ----------
+    names : sequence of str
+
+    Returns
+    -------
+    str
+        The begin of a message.
+    """
+    return f"the data have no column{'s' * (len(names) > 1)} {', '.join(names)}"
 
 
 def refusal(*parts: str) -> ValueError:

@@ -12,7 +12,7 @@ from pvlib_fem._record.column_names import numeric, with_aliases
 from pvlib_fem._record.parquet import Made, ParquetRecord
 from pvlib_fem._record.ranges import possible_range
 from pvlib_fem._record.resampling import Sums
-from pvlib_fem._spelling import argument, refusal
+from pvlib_fem._spelling import argument, no_columns, refusal
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers._mounts import plane_of_rows
 from pvlib_fem.drivers._planes import ByColumns
@@ -243,8 +243,8 @@ def with_plane(
         return columns, (f"{LIGHT} was measured, and nothing is transposed",)
     if "ghi" not in columns:
         raise refusal(
-            f"data lack {LIGHT} and ghi; they have {', '.join(columns)}; name a column "
-            "of horizontal irradiance ghi, or drop ",
+            f"{no_columns([LIGHT, 'ghi'])}; they have {', '.join(columns)}; name a "
+            "column of horizontal irradiance ghi, or drop ",
             argument("transposition", transposition),
         )
     if not isinstance(index, pd.DatetimeIndex):
@@ -312,8 +312,8 @@ def transposed_again(
         return columns
     if "ghi" not in columns:
         raise ValueError(
-            f"data lack {LIGHT}, and ghi, from which it was transposed; they have "
-            f"{', '.join(columns)}"
+            f"{no_columns([LIGHT])}, and no column ghi, from which it was transposed; "
+            f"they have {', '.join(columns)}"
         )
     check_transposition(transposition, place)
     names = ("ghi", *PARTS) if is_split(columns) else ("ghi",)

@@ -197,8 +197,8 @@ def with_stand_ins(columns: Any, names: Any, limits: Any = None) -> Any:
         there = numeric({n: columns[n] for n in (usual, name) if n in columns})
         if name not in there:
             raise ValueError(
-                f"data lack numbers in {name}, which is to stand in for {usual}; they "
-                f"have {', '.join(columns)}"
+                f"the data have no column of numbers {name}, which is to stand in for "
+                f"{usual}; they have {', '.join(columns)}"
             )
         clean = {}
         for one in there:

@@ -10,6 +10,7 @@ import pandas as pd
 
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.inputs import Inputs, read
+from pvlib_fem._spelling import no_columns
 from pvlib_fem._statistics.axes import CLOCK, Axis, calendar_of
 from pvlib_fem._statistics.tables import Table, cell_numbers
 from pvlib_fem._thermal.model import as_in_a_fit
@@ -161,8 +162,9 @@ def errors_by(
         )
     if lacking := [n for n in behind_patterns(patterns) if n not in there]:
         raise ValueError(
-            f"data lack {', '.join(lacking)}, which unexplained patterns of this loop "
-            "depend on; give it, or patterns=False for a prediction without them"
+            f"{no_columns(lacking)}, which unexplained patterns of this loop depend "
+            f"on; give {'it' if len(lacking) == 1 else 'them'}, or patterns=False for "
+            "a prediction without them"
         )
     if not patterns:
         return pd.DataFrame(index=there["poa_global"].index)

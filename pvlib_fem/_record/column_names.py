@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._spelling import ShellText, refusal
+from pvlib_fem._spelling import ShellText, no_columns, refusal
 from pvlib_fem.reasons import Because, Reason, because
 
 #: what every record needs
@@ -293,7 +293,7 @@ def with_aliases(data: pd.DataFrame, needed: Any = COLUMNS) -> dict:
         if alias in columns:
             columns.setdefault(name, columns.pop(alias))
     if missing := [name for name in needed if name not in columns]:
-        words = f"data lack {', '.join(missing)}; they have {', '.join(columns)}"
+        words = f"{no_columns(missing)}; they have {', '.join(columns)}"
         raise refusal(words, *of_others(missing, columns), *of_several(columns))
     return columns
 

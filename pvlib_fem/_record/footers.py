@@ -169,9 +169,9 @@ def footers_of(files: list, filesystem: Any, time: str | None) -> Iterator[Foote
             time = time or time_column(schema, file)
             kind = schema.field(time).type if time in schema.names else None
             if not str(kind).startswith("timestamp"):
-                what = "lacks" if kind is None else f"has {kind}s as"
+                what = "no" if kind is None else f"{kind}s as the"
                 raise ValueError(
-                    f"{file} {what} the column of times {time!r}; its columns are "
+                    f"{file} has {what} column of times {time!r}; its columns are "
                     f"{', '.join(schema.names)}"
                 )
             yield Footer(file, schema, time, tuple(groups_of(file, opened, time)))
@@ -267,10 +267,10 @@ def common_columns(footers: list, columns: Mapping) -> tuple[dict, dict]:
             common[name] = column
             continue
         kind = odd[0].kind(column)
-        what = "lacks" if kind is None else f"has {kind}s in"
+        what = "no column" if kind is None else f"{kind}s in"
         others = f", as {len(odd) - 1} others do" if len(odd) > 1 else ""
         partial[name] = (
-            f"{odd[0].file} {what} {column!r}{others}, which needs numbers in all "
+            f"{odd[0].file} has {what} {column!r}{others}, which needs numbers in all "
             f"{len(footers)} files; the columns of that file are {odd[0].names}"
         )
     return common, partial

@@ -116,7 +116,8 @@ def stacked_tables(
         if odd := usual ^ {*table.columns}:
             raise ValueError(
                 f"{name} and {names[0]} are pieces of one record, and one of them "
-                f"lacks {', '.join(sorted(map(str, odd)))}; give both the same columns"
+                f"has no column{'s' * (len(odd) > 1)} "
+                f"{', '.join(sorted(map(str, odd)))}; give both the same columns"
             )
         if (table.index.tz is None) != (first.index.tz is None):
             raise ValueError(

@@ -61,8 +61,8 @@ def wide_table(data: Any, tag: Any, value: Any, times: Any) -> pd.DataFrame:
     if len(table) and table.notna().to_numpy().mean() < FULL:
         raise ValueError(
             f"the readings of {tag!r} have times of their own: of {len(table):,} times "
-            f"most lack most of {table.shape[1]}; write means over common steps, or a "
-            "file for each tag, which are joined on their times"
+            f"most have no reading of most of the {table.shape[1]} tags; write means "
+            "over common steps, or a file for each tag, which are joined on their times"
         )
     return table.reset_index()
 

@@ -179,7 +179,8 @@ class ParquetRecord:
             others = [n for n in self.columns if twin_of(n) == missing[0] in SERVED]
             other = repr(self.columns[others[0]]) if others else "..."
             raise refusal(
-                f"{self.files[0]} lacks {', '.join(missing)}; it has "
+                f"{self.files[0]} has no column{'s' * (len(missing) > 1)} "
+                f"{', '.join(missing)}; it has "
                 f"{', '.join(self.columns)}; name a column with columns="
                 f"{{{missing[0]!r}: {other}}}",
                 *of_horizontal(missing, self.columns),

@@ -49,7 +49,7 @@ def on_the_clock(
         if not drop_untimed:
             first = untimed[0]
             raise refusal(
-                f"the times of {first.file} lack in {first.nulls:,} rows; give ",
+                f"{first.nulls:,} rows of {first.file} have no time; give ",
                 ShellText("drop_untimed=True (--drop-untimed)", "--drop-untimed"),
                 " to leave such rows out",
             )

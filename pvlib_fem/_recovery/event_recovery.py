@@ -16,6 +16,7 @@ from pvlib_fem._loop.planes import with_given
 from pvlib_fem._loop.power_events import KINDS
 from pvlib_fem._record.column_names import PLANT_POWER, plant_power, printable
 from pvlib_fem._recovery.inject import add_to_rows
+from pvlib_fem._spelling import no_columns
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers._plant_irradiance import LEAST
 
@@ -169,7 +170,8 @@ class Plant:
         powers = [*plant_power(record, case.criteria.max_missing_share)]
         if not powers:
             raise ValueError(
-                f"data lack {' or '.join(PLANT_POWER)}, by which events are found"
+                f"{no_columns([' or '.join(PLANT_POWER)])}, by which events are found; "
+                "add the power of a module, a string or the plant"
             )
         model, coefficients = loop.fit.thermal_model, loop.fit.coefficients
         model = replace(model, base=model.base or coefficients, effects=())

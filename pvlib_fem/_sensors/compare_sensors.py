@@ -17,7 +17,7 @@ from pvlib_fem._sensors.sensor_errors import (
     plausible_values,
     steps_of,
 )
-from pvlib_fem._spelling import ShellText, refusal
+from pvlib_fem._spelling import ShellText, no_columns, refusal
 from pvlib_fem._thermal.model import thermal_model
 from pvlib_fem.scores import rmse
 
@@ -93,9 +93,7 @@ def compare_modules(
     thermal_model(model, dynamics).refuse_without_wind(series)
     names = list(columns or (n for n in series if is_sensor(n)))
     if missing := [name for name in names if name not in series]:
-        raise ValueError(
-            f"data lack {', '.join(missing)}; they have {', '.join(series)}"
-        )
+        raise ValueError(f"{no_columns(missing)}; they have {', '.join(series)}")
     if len(names) < FEWEST:
         there = f" ({', '.join(names)})" if names else ""
         raise refusal(

@@ -19,7 +19,7 @@ from pvlib_fem._record.column_names import (
 from pvlib_fem._record.inputs import Inputs, read
 from pvlib_fem._record.ranges import range_of
 from pvlib_fem._relaxation import usual_step
-from pvlib_fem._spelling import argument, refusal
+from pvlib_fem._spelling import argument, no_columns, refusal
 from pvlib_fem._thermal.compiled import solve_compiled, uses_compiled_loops
 from pvlib_fem._thermal.dynamics import balanced, resistance, smoothed, steady
 from pvlib_fem._thermal.response import Past
@@ -283,14 +283,15 @@ class ThermalModel:
             return
         there = f"they have {', '.join(columns)}"
         if self.steady_model.takes_wind:
-            words = f"data lack {WIND}, which the model {self.steady_model.name} needs"
-            words = f"{words}; {there}; give it, or "
+            model = self.steady_model.name
+            words = f"{no_columns([WIND])}, which the model {model} needs; {there}; "
+            words += "give it, or "
             others = [name for name in columns if twin_of(name) == WIND]
             stand = [part for n in others[:1] for part in (filled_from(n), ", or ")]
             raise refusal(words, *stand, ROSS, ", which needs none")
         using = [e.name for e in self.effects if WIND in underived(e.drivers)]
         raise ValueError(
-            f"data lack {WIND}, which {' and '.join(using)} need"
+            f"{no_columns([WIND])}, which {' and '.join(using)} need"
             f"{'s' * (len(using) == 1)}; {there}; give it, or drop the effect"
             f"{'s' * (len(using) > 1)}"
         )
@@ -305,7 +306,7 @@ class ThermalModel:
             ]
             place = "; pvlib_fem.drivers.sun finds the sun"
             raise ValueError(
-                f"data lack {', '.join(missing)}, which {' and '.join(using)} "
+                f"{no_columns(missing)}, which {' and '.join(using)} "
                 f"need{'s' * (len(using) == 1)}; give "
                 f"{'it' if len(missing) == 1 else 'them'} as "
                 f"{', '.join(f'{name}=...' for name in missing)}, or drop the effect"

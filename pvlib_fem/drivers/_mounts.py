@@ -112,7 +112,7 @@ def plane_angles(
     """
     if mount == BY_COLUMNS:
         raise ValueError(
-            "the modules turn, and data lack their angles: add the columns "
+            "the modules turn, and the data have no columns of their angles; add "
             "surface_tilt and surface_azimuth [°]"
         )
     if location is None:

@@ -227,7 +227,9 @@ def test_own_effects_and_names_can_be_asked_for(plant, noise):
     assert set(table.index) == {"rain", "soiling"}
     with pytest.raises(ValueError, match="unknown effect 'ghosts'"):
         fem.rank_effects(fit, data, ["ghosts"])
-    with pytest.raises(ValueError, match="data lack temp_module; they have"):
+    with pytest.raises(
+        ValueError, match="the data have no column temp_module; they have"
+    ):
         fem.rank_effects(fit, data.drop(columns="temp_module"))
 
 

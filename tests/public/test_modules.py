@@ -144,7 +144,9 @@ def test_two_sensors_share_a_step(plant):
 def test_what_cannot_be_compared_is_said(plant):
     with pytest.raises(ValueError, match=r"1 module sensors are there .* at least 2"):
         fem.compare_modules(plant, ["temp_module_0"])
-    with pytest.raises(ValueError, match="data lack temp_back; they have"):
+    with pytest.raises(
+        ValueError, match="the data have no column temp_back; they have"
+    ):
         fem.compare_modules(plant, ["temp_module_0", "temp_module_1", "temp_back"])
     with pytest.raises(ValueError, match=r"fewer than 2 .* temp_module_1 is a copy of"):
         fem.compare_modules(

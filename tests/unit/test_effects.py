@@ -500,16 +500,17 @@ def test_a_row_without_its_driver_is_not_used(plant):
     [
         (
             dict(effects=["wind_direction"]),
-            "data lack wind_direction, which wind_direction needs; give it as",
+            "the data have no column wind_direction, which wind_direction needs; give",
         ),
         (
             dict(effects=["sky_radiation", "rain"]),
-            "data lack longwave_down, precipitation, which sky_radiation and rain need"
-            "; give them as longwave_down=..., precipitation=..., or drop the effects",
+            "the data have no columns longwave_down, precipitation, which "
+            "sky_radiation and rain need; give them as longwave_down=..., "
+            "precipitation=..., or drop the effects",
         ),
         (
             dict(effects=["rear_irradiance"]),
-            "data lack solar_zenith, .* or drop the effect; pvlib_fem.drivers.sun",
+            "the data have no column.* solar_zenith, .*; pvlib_fem.drivers.sun",
         ),
         (dict(effects=["ghosts"]), "unknown effect 'ghosts'; there are sky_radiation"),
         (dict(rain=3), "no effect uses rain; the effects use no further column"),
@@ -563,7 +564,7 @@ def test_a_fit_with_effects_runs_in_a_chain_and_as_json(plant, tmp_path):
     )
     for cell in cells:
         np.testing.assert_allclose(cell, want, rtol=1e-12)
-    with pytest.raises(ValueError, match="data lack wind_direction"):
+    with pytest.raises(ValueError, match="the data have no column wind_direction"):
         fit.temperature_model(deltaT=0.0)
 
 

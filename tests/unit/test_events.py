@@ -359,7 +359,9 @@ def test_events_that_are_put_into_a_record_are_found_again(clean):
 def test_what_cannot_be_put_in_is_refused(clean):
     with pytest.raises(ValueError, match="rain is no event; there are modules_covered"):
         fem.recover_events(clean, "rain")
-    with pytest.raises(ValueError, match="data lack power_dc or power_ac"):
+    with pytest.raises(
+        ValueError, match="the data have no column power_dc or power_ac"
+    ):
         fem.recover_events(clean.drop(columns="power_ac"))
     with pytest.raises(ValueError, match="no day has room for outage of 30 K"):
         fem.recover_events(clean, "outage", size=30.0)

@@ -100,7 +100,9 @@ def test_the_loop_tries_what_needs_no_wind(calm, loop):
     words = loop.report()
     assert "the wind's coefficient" not in words
     assert words.count("there is no wind_speed") == 1
-    with pytest.raises(ValueError, match=r"data lack wind_speed.*model='ross'"):
+    with pytest.raises(
+        ValueError, match=r"the data have no column wind_speed.*model='ross'"
+    ):
         fem.close_loop(calm)
 
 
@@ -131,7 +133,7 @@ def test_files_without_wind_are_fitted_as_frames(calm, loop, tmp_path):
     assert any("there is no wind_speed" in note for note in fit.notes)
     found = fem.close_loop(tmp_path, model="ross")
     assert found.fit.coefficients == pytest.approx(loop.fit.coefficients, rel=1e-6)
-    with pytest.raises(ValueError, match="data lack wind_speed"):
+    with pytest.raises(ValueError, match="the data have no column wind_speed"):
         fem.fit_fem(tmp_path)
 
 
@@ -184,7 +186,7 @@ def test_module_sensors_are_compared_without_wind(calm):
     found = fem.compare_modules(data, model="ross")
     assert "\ntemp_module_1: holds the fill value -999 in 4 rows" in str(found)
     assert found.table["share"].to_list() == pytest.approx([1.04, 1.07, 0.89], abs=0.02)
-    with pytest.raises(ValueError, match="data lack wind_speed"):
+    with pytest.raises(ValueError, match="the data have no column wind_speed"):
         fem.compare_modules(data)
 
 
@@ -260,7 +262,7 @@ def test_the_loop_transposes_and_predicts_alike(level, tmp_path):
     pd.testing.assert_series_equal(again.predict(data), predicted)
     # nothing is corrected, so that nothing else is in the record
     assert [*loop.corrected(data).data] == [*data, "corrected"]
-    with pytest.raises(ValueError, match="data lack poa_global, and ghi"):
+    with pytest.raises(ValueError, match="no column poa_global, and no column ghi"):
         loop.predict(data.drop(columns="ghi"))
     measured = fem.close_loop(whole, **how, transposition="perez")
     assert not measured.transposition
@@ -485,7 +487,7 @@ def test_a_loop_with_another_source_predicts_alike(airport, tmp_path):
     ("names", "words"),
     [
         ("temp_module_2", "temp_module_2 stands in for nothing"),
-        ("wind_speed_3", "data lack numbers in wind_speed_3"),
+        ("wind_speed_3", "no column of numbers wind_speed_3"),
         (["temp_air_2", "temp_air_3"], "temp_air_2 and temp_air_3 both stand in"),
         ("temp_air_far", "have 100 rows in common, too few"),
     ],
@@ -574,7 +576,7 @@ def test_a_fit_with_rear_irradiance_is_the_same_from_a_file(tmp_path):
     fit.to_json(tmp_path / "fit.json")
     again = fem.FemFit.from_json(tmp_path / "fit.json")
     pd.testing.assert_series_equal(again.predict(data), fit.predict(data))
-    with pytest.raises(ValueError, match="data lack poa_rear"):
+    with pytest.raises(ValueError, match="no column poa_rear"):
         fem.fit_fem(data.drop(columns="poa_rear"), effects=REAR)
     # by its name alone it is of the ground, as before
     assert find("rear_irradiance").drivers == ("ghi_estimated",)

@@ -742,7 +742,7 @@ def test_the_months_of_one_logger_are_one_record(record, tmp_path):
     sorted_ = frame([paths], [Layout(sort=True, drop_doubled=True)], {})
     pd.testing.assert_frame_equal(sorted_, found)
     parts[1].drop(columns="wind_speed").to_csv(paths[1])
-    with pytest.raises(ValueError, match="lacks wind_speed"):
+    with pytest.raises(ValueError, match="has no column wind_speed"):
         frame([paths], [Layout()], {})
 
 

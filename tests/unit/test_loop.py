@@ -584,7 +584,7 @@ def test_what_cannot_be_is_refused(change, message):
     data = datasets.synthetic(3, 300)
     with pytest.raises(ValueError, match=message):
         fem.close_loop(data, **change)
-    with pytest.raises(ValueError, match="data lack wind_speed"):
+    with pytest.raises(ValueError, match="the data have no column wind_speed"):
         fem.close_loop(data.drop(columns="wind_speed"))
 
 

@@ -222,7 +222,7 @@ def test_what_files_cannot_be_asked_is_said(data, folder):
     shade = {"name": "shading", "windows": [(90, 120, 0, 20)], "sensor": True}
     with pytest.raises(ValueError, match="shading uses the hours around each row"):
         fem.fit_fem(folder, effects=shade)
-    with pytest.raises(ValueError, match="lacks p_dc_per_area"):
+    with pytest.raises(ValueError, match="has no column p_dc_per_area"):
         fem.fit_fem(folder, effects="electrical_output")
     with pytest.raises(ValueError, match="takes no files"):
         fem.fit_fem(folder, method="paper")

@@ -342,7 +342,9 @@ def test_a_recorded_rotation_takes_the_place_of_the_described_one(tmp_path):
 def test_prediction_takes_the_angles_of_its_own_rows(loop, described, record, plain):
     found = loop.predict(record)
     assert np.abs(found - described.predict(plain)).max() < 0.5
-    with pytest.raises(ValueError, match="data lack their angles: add the columns"):
+    with pytest.raises(
+        ValueError, match="the data have no columns of their angles; add"
+    ):
         loop.predict(plain)
     same = loop.predict(plain, **{name: record[name] for name in ANGLES})
     pd.testing.assert_series_equal(same, found)
