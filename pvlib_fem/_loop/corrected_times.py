@@ -1,5 +1,6 @@
 """The corrections of a record's clocks, to be applied to the record again."""
 
+import warnings
 from dataclasses import dataclass, field
 from typing import Self
 
@@ -99,11 +100,11 @@ class Times:
             return index
 
     def inside(self, index: pd.Index) -> np.ndarray:
-        """Find the times that lie within the record, in its zone."""
+        """Find the times that lie within the record, in its zone or without any."""
         times = datetimes(index)
         own = wall_time(times)
         within = (own >= pd.Timestamp(self.first)) & (own <= pd.Timestamp(self.last))
-        return np.asarray(within) & (zone_name(times) == self.zone)
+        return np.asarray(within) & (times.tz is None or zone_name(times) == self.zone)
 
     def corrected(self, index: pd.Index) -> tuple[pd.Index, np.ndarray]:
         """
@@ -126,6 +127,13 @@ class Times:
             If the record's clock was corrected and the index has no times.
         """
         known = np.ones(len(index), dtype=bool)
+        if not self.zone and (self.offsets or self.module.fault) and zone_of(index):
+            warnings.warn(
+                f"data are in {zone_of(index)} and the record of this loop has no "
+                "zone, so that its clock is not corrected; give data.tz_localize(None) "
+                "for its own times, or correct_times=False",
+                stacklevel=4,
+            )
         if not self.offsets:
             return index, known
         times = datetimes(index)
@@ -159,6 +167,11 @@ def datetimes(index: pd.Index) -> pd.DatetimeIndex:
     if not isinstance(index, pd.DatetimeIndex):
         raise ValueError(no_datetimes("data", index))
     return index
+
+
+def zone_of(index: pd.Index) -> str:
+    """Name of the zone of an index; "" for one without times or zone."""
+    return zone_name(index) if isinstance(index, pd.DatetimeIndex) else ""
 
 
 def zone_name(index: pd.DatetimeIndex) -> str:

@@ -351,8 +351,9 @@ class Loop:
             Where the column of an effect is missing, take the model without any effect
             instead of NaN. Patterns whose column is missing are left out.
         correct_times : bool, default True
-            Apply the clock corrections of this record to times within its period. The
-            result has the times of ``data``.
+            Apply the clock corrections of this record to times within its period, in
+            any zone; times without one are those of its clock. The result has the times
+            of ``data``.
         patterns : bool, optional
             Add the errors of ``loop.patterns``, which repeat without a known cause. By
             default they are added, unless another place or plane is given: they are of
@@ -371,6 +372,12 @@ class Loop:
         ------
         ValueError
             If a whole column is missing, and there is no fallback.
+
+        Warns
+        -----
+        UserWarning
+            If the record has no zone and ``data`` have one, so that a clock that was
+            corrected is not.
         """
         data, place = with_series(data, place)
         timed, known = self.timed(data, correct_times)

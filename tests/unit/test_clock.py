@@ -158,11 +158,24 @@ def test_a_loop_corrects_the_clock_of_the_same_instants_in_any_zone():
     }
     for method in (loop.predict, loop.residual, loop.contributions):
         found = method(data)
+        local = method(data.tz_localize(None))  # by the record's own clock
+        assert np.array_equal(local, found, equal_nan=True)
         for zone in ("UTC", "Asia/Kathmandu", "Europe/Berlin"):
             other = method(data.tz_convert(zone))
             assert str(other.index.tz) == zone
             pd.testing.assert_index_equal(other.index, found.index.tz_convert(zone))
             assert np.array_equal(other, found, equal_nan=True)
+
+
+def test_a_zone_that_the_record_has_not_leaves_its_clock_and_says_so():
+    data = simulator.record(RHINE, OUTDOORS, 60, 900.0, 3, start="2023-04-01")
+    data = data[list(COLUMNS)].tz_localize(None)
+    data["temp_module"] = data["temp_module"].shift(3)
+    loop = close_loop(data.iloc[3:])
+    assert [one.fault for one in loop.corrections if one.applied] == ["clock_shift"]
+    with pytest.warns(UserWarning, match=r"data are in UTC and the record .* no zone"):
+        loop.residual(data.tz_localize("UTC"))
+    loop.residual(data.tz_localize("UTC"), correct_times=False)  # without a warning
 
 
 def test_the_measured_week_has_a_right_clock(week):
