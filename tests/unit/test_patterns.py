@@ -192,7 +192,7 @@ def test_a_driver_that_is_missing_is_named():
     loop = fem.close_loop(data.assign(gate=np.abs(data["gate"])), effects="rain")
     assert any("gate" in one.drivers for one in loop.patterns)
     without = data.drop(columns="gate")
-    with pytest.raises(ValueError, match="lack gate, which unexplained patterns"):
+    with pytest.raises(ValueError, match="no column gate, which unexplained patterns"):
         loop.predict(without)
     found = loop.predict(without, fallback=True)
     assert found.notna().all()

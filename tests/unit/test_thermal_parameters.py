@@ -230,8 +230,8 @@ def test_every_row_is_whole(fits):
         (dict(absorptance=1.5), "absorptance = 1.5"),
         (dict(surface_tilt=200.0), "surface_tilt = 200.0"),
         (dict(deltaT=40.0), "deltaT = 40.0 K"),
-        (dict(typical_year=pd.DataFrame({"ghi": [1.0]})), "lack poa_global"),
-        (dict(data=pd.DataFrame({"poa_global": [1.0]})), "lack temp_air"),
+        (dict(typical_year=pd.DataFrame({"ghi": [1.0]})), "no columns? poa_global"),
+        (dict(data=pd.DataFrame({"poa_global": [1.0]})), "no columns? temp_air"),
     ],
 )
 def test_what_cannot_be_is_refused(fits, how, message):
@@ -452,7 +452,7 @@ def test_the_mean_of_effects_is_added_with_the_record(plant, tmp_path):
     assert again.loc[("held-out error", "this fit"), "value"] == pytest.approx(
         table.loc[("held-out error", "this fit"), "value"]
     )
-    with pytest.raises(ValueError, match="lack longwave_down"):
+    with pytest.raises(ValueError, match="no column longwave_down"):
         fit.thermal_parameters(plant[names[:4]])
 
 
