@@ -272,15 +272,15 @@ def hints(
             check = Check("days", "min_days", days, enough)
         effect = row.effect
         yield Finding(
-            name,
-            (name, *row.ties),
-            Verdict.HINT,
-            row.gain,
-            score.coefficients,
-            score.errors,
-            why,
-            (check,),
-            Kind.of(effect),
+            effect=name,
+            candidates=(name, *row.ties),
+            verdict=Verdict.HINT,
+            gain=row.gain,
+            coefficients=score.coefficients,
+            stderr=score.errors,
+            because=why,
+            checks=(check,),
+            kind=Kind.of(effect),
             place=dates_in_words(effect.settings) if is_dated(effect) else "",
         )
 

@@ -147,14 +147,14 @@ def pattern_findings(tables: list[Table], least: float) -> list[Finding]:
     """
     return [
         Finding(
-            table.name,
-            table.drivers,
-            Verdict.UNEXPLAINED,
-            table.gain,
-            {"mean": table.size},
-            {},
-            because(Reason.UNEXPLAINED, gain=table.gain, where=table.where),
-            (
+            effect=table.name,
+            candidates=table.drivers,
+            verdict=Verdict.UNEXPLAINED,
+            gain=table.gain,
+            coefficients={"mean": table.size},
+            stderr={},
+            because=because(Reason.UNEXPLAINED, gain=table.gain, where=table.where),
+            checks=(
                 Check(
                     "gain",
                     "min_rmse_reduction",
@@ -163,9 +163,9 @@ def pattern_findings(tables: list[Table], least: float) -> list[Finding]:
                     unit="K",
                 ),
             ),
-            Kind.STRUCTURE,
-            table.ranges,
-            table.where,
+            kind=Kind.STRUCTURE,
+            where=table.ranges,
+            place=table.where,
         )
         for table in tables
     ]
