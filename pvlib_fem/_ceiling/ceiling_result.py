@@ -58,6 +58,6 @@ class Ceiling:
         return name if name and self.without[name] > self.trees else ""
 
     def __str__(self) -> str:
-        from pvlib_fem._report.ceiling_text import sentence
+        from pvlib_fem._report.ceiling_text import ceiling_sentence
 
-        return sentence(self)
+        return ceiling_sentence(self)

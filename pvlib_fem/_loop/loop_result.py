@@ -650,14 +650,14 @@ class Loop:
         str
         """
         from pvlib_fem._report.loop_page import page
-        from pvlib_fem._report.loop_text import never
+        from pvlib_fem._report.loop_text import not_identifiable
         from pvlib_fem._statements.make import statements_of
 
         statements = self.statement_objects
         if gamma != GAMMA:
             statements = statements_of(self, energies(self, gamma))
         table = as_table(statements)
-        return saved(page(self, table, never(self.fit), title, gamma), path)
+        return saved(page(self, table, not_identifiable(self.fit), title, gamma), path)
 
     def _repr_html_(self) -> str:
         from pvlib_fem._report.loop_page import brief

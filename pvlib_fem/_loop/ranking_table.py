@@ -8,7 +8,7 @@ import pandas as pd
 
 from pvlib_fem._converter import AnyFloat
 from pvlib_fem._record.column_names import printable
-from pvlib_fem._report.formatting import number, with_error
+from pvlib_fem._report.formatting import two_decimals, with_error
 
 
 class RankingRow(TypedDict, total=False):
@@ -46,8 +46,8 @@ class Ranking(pd.DataFrame):
             chance = row["p_value"]
             yield (
                 str(name),
-                number(row["gain"]),
-                number(row["minimum_detectable"]),
+                two_decimals(row["gain"]),
+                two_decimals(row["minimum_detectable"]),
                 f"{chance:.1g}" if np.isfinite(chance) else "–",
                 coefficients(str(name), row["coefficients"], row["stderr"]),
                 "; ".join(words),

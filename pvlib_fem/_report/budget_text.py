@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._budget.unusual_days import FEWEST
-from pvlib_fem._report.formatting import number
+from pvlib_fem._report.formatting import two_decimals
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.loop_result import Loop
@@ -36,7 +36,7 @@ CAUSES = {
 }
 
 
-def scales(loop: "Loop") -> pd.Series:
+def budget_by_scale(loop: "Loop") -> pd.Series:
     """Mean squares of the remaining error by time scale, the largest first."""
     budget = loop.budget
     parts = budget.loc[budget["kind"].isin(["episodes", "scale"]), "mean_square"]
@@ -57,7 +57,7 @@ def in_time(loop: "Loop") -> str:
     str
         With the remaining error [K] and the mean square of each time scale [K²].
     """
-    budget, parts = loop.budget, scales(loop)
+    budget, parts = loop.budget, budget_by_scale(loop)
     remaining = budget["mean_square"][budget["kind"] == "left"].iloc[0]
     if not remaining > 0.0:
         return ""
@@ -77,7 +77,9 @@ def in_time(loop: "Loop") -> str:
     return words + ("" if len(loop.episodes) else "; no days stand out by date")
 
 
-def dates(loop: "Loop", most: int | None = MOST) -> Iterator[tuple[str, str]]:
+def days_that_stand_out(
+    loop: "Loop", most: int | None = MOST
+) -> Iterator[tuple[str, str]]:
     """
     Days that stand out and what is said of them, the largest share first.
 
@@ -97,10 +99,10 @@ def dates(loop: "Loop", most: int | None = MOST) -> Iterator[tuple[str, str]]:
     rows = loop.episodes.to_dict("records")
     for row in rows[:most]:
         share = f"{100 * row['share']:.2g} % of the mean square of all weeks"
-        yield span(row), f"{apart(row)}, {share}"
+        yield episode_span(row), f"{deviation_by_day_and_night(row)}, {share}"
 
 
-def more(loop: "Loop") -> str:
+def more_episodes(loop: "Loop") -> str:
     """
     Number of episodes beyond the first three; "" if there are no more.
 
@@ -117,7 +119,7 @@ def more(loop: "Loop") -> str:
     return f"{count} more in loop.episodes" if count > 0 else ""
 
 
-def span(row: Mapping[Hashable, Any]) -> str:
+def episode_span(row: Mapping[Hashable, Any]) -> str:
     """
     From and to of an episode.
 
@@ -135,7 +137,7 @@ def span(row: Mapping[Hashable, Any]) -> str:
     return start if start == end else f"{start} to {end}"
 
 
-def apart(row: Mapping[Hashable, Any]) -> str:
+def deviation_by_day_and_night(row: Mapping[Hashable, Any]) -> str:
     """
     How much warmer or colder the module was than modelled, by day and by night.
 
@@ -157,7 +159,7 @@ def apart(row: Mapping[Hashable, Any]) -> str:
     return " and ".join(words) + " than modelled" if words else "now warmer, now colder"
 
 
-def cells(loop: "Loop") -> Iterator[tuple[str, ...]]:
+def budget_cells(loop: "Loop") -> Iterator[tuple[str, ...]]:
     """
     Rows of the budget for a page.
 
@@ -174,4 +176,4 @@ def cells(loop: "Loop") -> Iterator[tuple[str, ...]]:
     for name, row in loop.budget.iterrows():
         values = (row["mean_square"], row["error"], 100 * row["share"])
         words = PARTS[row["kind"]].format(str(name).removeprefix("+"))
-        yield words, *map(number, values), row["weeks"]
+        yield words, *map(two_decimals, values), row["weeks"]

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from pvlib_fem._ceiling.ceiling_result import Ceiling
 
 
-def sentence(ceiling: "Ceiling") -> str:
+def ceiling_sentence(ceiling: "Ceiling") -> str:
     """
     What the loop explains of the error that trees on the same columns explain.
 

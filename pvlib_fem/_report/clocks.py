@@ -51,7 +51,9 @@ def of_file(rows: Rows, correction: Correction) -> Picture | None:
     minutes = noon.days.to_numpy() / 60.0
     if len(days) < 2:
         return None
-    series = written(rows, correction, days, minutes, added(rows.loop.times, days))
+    series = clock_before_and_after(
+        rows, correction, days, minutes, added_minutes(rows.loop.times, days)
+    )
     caption = "Middle of each day's light minus that of the sun at the location"
     return rows.by_date(series, "ahead of the sun [min]", caption)
 
@@ -66,7 +68,7 @@ def of_module(rows: Rows, correction: Correction) -> Picture | None:
     late = np.zeros(len(days))
     if (times := rows.loop.times) is not None:
         late = times.module.late_at(np.asarray(seconds)) / 60.0
-    series = written(rows, correction, days, minutes, -late)
+    series = clock_before_and_after(rows, correction, days, minutes, -late)
     caption = (
         "Middle of each day's temperature rise of the module minus that of its "
         "irradiance; a module answers some minutes late"
@@ -74,7 +76,7 @@ def of_module(rows: Rows, correction: Correction) -> Picture | None:
     return rows.by_date(series, "module after irradiance [min]", caption)
 
 
-def written(
+def clock_before_and_after(
     rows: Rows,
     correction: Correction,
     days: pd.DatetimeIndex,
@@ -90,7 +92,7 @@ def written(
     }
 
 
-def added(times: "Times | None", days: pd.DatetimeIndex) -> np.ndarray:
+def added_minutes(times: "Times | None", days: pd.DatetimeIndex) -> np.ndarray:
     """What was added to the file's times on some days. [min]"""
     if times is None or not times.offsets:
         return np.zeros(len(days))

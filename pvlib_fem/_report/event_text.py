@@ -88,7 +88,7 @@ def all_of(events: pd.DataFrame) -> str:
     return words
 
 
-def described(row: pd.Series | Mapping[Hashable, Any]) -> str:
+def event_words(row: pd.Series | Mapping[Hashable, Any]) -> str:
     """
     One event: when, how much, and what else the record says.
 
@@ -111,10 +111,10 @@ def described(row: pd.Series | Mapping[Hashable, Any]) -> str:
         parts.append(f"air at {row['temp_air']:.0f} °C")
     if np.isfinite(row.get("snow_depth", np.nan)):
         parts.append(f"{row['snow_depth']:.0f} cm of snow")
-    return f"{span(row)}: {', '.join(parts)}"
+    return f"{event_span(row)}: {', '.join(parts)}"
 
 
-def span(row: pd.Series | Mapping[Hashable, Any]) -> str:
+def event_span(row: pd.Series | Mapping[Hashable, Any]) -> str:
     """
     From and to of an event.
 
@@ -133,7 +133,7 @@ def span(row: pd.Series | Mapping[Hashable, Any]) -> str:
     return f"{start:%Y-%m-%d %H:%M} to {until}"
 
 
-def largest(events: pd.DataFrame, most: int = MOST) -> str:
+def largest_events(events: pd.DataFrame, most: int = MOST) -> str:
     """
     The largest events in words, and how many more there are.
 
@@ -149,6 +149,6 @@ def largest(events: pd.DataFrame, most: int = MOST) -> str:
     str
     """
     rows = events.to_dict("records")
-    parts = [described(row) for row in rows[:most]]
+    parts = [event_words(row) for row in rows[:most]]
     more = len(rows) - len(parts)
     return "; ".join([*parts, *([f"{more} more in loop.events"] if more else [])])

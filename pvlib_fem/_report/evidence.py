@@ -37,7 +37,7 @@ TEMPERATURE_RISE = "rise per irradiance [K m²/kW]"
 Show = Callable[[Rows, Effect], Picture | None]
 
 
-def relative(daily: Daily | None) -> Daily | None:
+def relative_to_median(daily: Daily | None) -> Daily | None:
     """Daily values over their median, without the season of several years."""
     if daily is None:
         return None
@@ -65,7 +65,9 @@ def irradiance(rows: Rows, effect: Effect) -> Picture | None:
         series[power[1]] = rows.daily(bright & (power[0] > 0.0), poa, power[0])
     for name, twin in rows.twins("poa_global").items():
         series[name] = rows.daily(bright, poa, twin)
-    series = {name: relative(one) for name, one in series.items() if one is not None}
+    series = {
+        name: relative_to_median(one) for name, one in series.items() if one is not None
+    }
     names = [f"{n} at 25 °C" if power and n == power[1] else n for n in series]
     caption = f"Irradiance sensor over {' and over '.join(names)}, relative to a median"
     caption += " of 1. If the sensor has changed, all change alike" * (len(names) > 1)
@@ -108,7 +110,9 @@ def wind_by_date(rows: Rows, effect: Effect) -> Picture | None:
         return None
     every = np.ones(len(wind), dtype=bool)
     if twins := rows.twins("wind_speed"):
-        series = {n: relative(rows.daily(every, wind, v)) for n, v in twins.items()}
+        series = {
+            n: relative_to_median(rows.daily(every, wind, v)) for n, v in twins.items()
+        }
         caption = "Anemometer over the second one, relative to the median"
         return rows.by_date(series, "wind over wind [-]", caption)
     series = {"wind": rows.daily(every, wind)}
@@ -136,7 +140,7 @@ def at_night(rows: Rows, effect: Effect) -> Picture | None:
     )
 
 
-def second(usual: str, by_day: bool) -> Show:
+def sensor_difference(usual: str, by_day: bool) -> Show:
     """The difference of two sensors by date, by day for 1000 W/m², or at night."""
 
     def picture(rows: Rows, effect: Effect) -> Picture | None:
@@ -262,14 +266,16 @@ def power_deficit(rows: Rows, effect: Effect) -> Picture | None:
     events = rows.loop.events
     events = events[events["effect"] == effect.name] if len(events) else events
     if len(events):
-        return around(rows, events.iloc[0], {name: record[name], "expected": due})
+        return power_around(rows, events.iloc[0], {name: record[name], "expected": due})
     some = (record["poa_global"] > BRIGHT) & (due > 0.0)
     series = {name: rows.daily(some, record[name], due)}
     caption = f"{name} over that expected from irradiance and module temperature"
     return rows.by_date(series, "power over expected [-]", caption)
 
 
-def around(rows: Rows, event: pd.Series, columns: Mapping[str, np.ndarray]) -> Picture:
+def power_around(
+    rows: Rows, event: pd.Series, columns: Mapping[str, np.ndarray]
+) -> Picture:
     """Power around an event."""
     index, ends = rows.index, (event["start"], event["end"])
     near = (index >= ends[0] - AROUND) & (index <= ends[1] + AROUND)
@@ -292,12 +298,12 @@ SHOWN = {
     "sensor_covered": (power_deficit, irradiance),
     "anemometer": (anemometer, wind_by_date),
     "anemometer_stall": (anemometer, wind_by_date),
-    "air_offset": (second("temp_air", False), at_night),
-    "air_sensor_shield": (second("temp_air", True), temperature_rise),
-    "air_shield": (second("temp_air", True), rise_by("wind_speed")),
-    "module_sensor_contact": (second("temp_module", True), temperature_rise),
+    "air_offset": (sensor_difference("temp_air", False), at_night),
+    "air_sensor_shield": (sensor_difference("temp_air", True), temperature_rise),
+    "air_shield": (sensor_difference("temp_air", True), rise_by("wind_speed")),
+    "module_sensor_contact": (sensor_difference("temp_module", True), temperature_rise),
     "mounting": (temperature_rise,),
-    "module_offset": (second("temp_module", False), at_night),
+    "module_offset": (sensor_difference("temp_module", False), at_night),
     "temperature_gain": (night_by_air,),
     "season": (temperature_rise,),
     "shading": SUN,

@@ -12,7 +12,7 @@ from pvlib_fem._report.document import (
     section,
     table,
 )
-from pvlib_fem._report.formatting import number
+from pvlib_fem._report.formatting import two_decimals
 from pvlib_fem._report.page_parts import (
     DONE,
     NO_ROWS,
@@ -21,10 +21,10 @@ from pvlib_fem._report.page_parts import (
     heading,
     in_energy,
     made_by,
-    printed,
+    printed_report,
 )
 from pvlib_fem._report.page_pictures import pictures_of_fit
-from pvlib_fem._report.treatment import screened
+from pvlib_fem._report.treatment import screened_values
 from pvlib_fem.scores import GAMMA
 
 if TYPE_CHECKING:
@@ -60,16 +60,16 @@ def fit_page(fit: "FemFit", title: str = "", gamma: float = GAMMA) -> str:
     words = headline(fit)
     parts: Parts = [
         heading(f"Module temperature: {words}", title),
-        paragraph(about(fit), "soft"),
+        paragraph(error_conditions(fit), "soft"),
         section("Error by step", errors(fit)),
         section("Energy", in_energy(fit, {"this fit": fit.residual}, gamma)),
         section("Evidence", figures(pictures_of_fit(fit)) if drawn else NO_ROWS),
-        section(DONE, done_to_data([*screened(record)], fit.notes)),
+        section(DONE, done_to_data([*screened_values(record)], fit.notes)),
         section("Annex: coefficients", coefficients(fit)),
         section(
             "Annex: how to reproduce this report",
-            made_by(fit, call(fit)),
-            printed(fit),
+            made_by(fit, fit_call(fit)),
+            printed_report(fit),
         ),
     ]
     return document(" · ".join(filter(None, [title, words])), parts)
@@ -93,24 +93,24 @@ def brief(fit: "FemFit") -> str:
     return fragment([heading(words, tag="h4"), coefficients(fit), errors(fit)])
 
 
-def part(fit: "FemFit") -> tuple[str, str]:
+def error_days(fit: "FemFit") -> tuple[str, str]:
     """The days of the reported errors, and the ending of their columns."""
     return ("held-out", "test") if fit.test_days else ("fitted", "train")
 
 
 def headline(fit: "FemFit") -> str:
-    error = fit.scores[f"rmse_{part(fit)[1]}"]
+    error = fit.scores[f"rmse_{error_days(fit)[1]}"]
     if fit.dynamics == "steady":
         return f"{error.iloc[-1]:.2f} K"
     steady = error.get("filter", error.iloc[0])  # a loop's first step is steady
     return f"{steady:.2f} K steady, {error.iloc[-1]:.2f} K with this fit"
 
 
-def about(fit: "FemFit") -> str:
+def error_conditions(fit: "FemFit") -> str:
     record = fit.summary
     days = f"{fit.train_days} day{'s' * (fit.train_days != 1)} fitted"
     return (
-        f"Error (RMSE) on the {part(fit)[0]} days, {'day and night' * fit.night}"
+        f"Error (RMSE) on the {error_days(fit)[0]} days, {'day and night' * fit.night}"
         f"{'daytime' * (not fit.night)}. {record.rows:,} rows from "
         f"{record.start:%Y-%m-%d} to {record.end:%Y-%m-%d}, {days}, {fit.test_days} "
         f"held out; model {fit.model}, dynamics {fit.dynamics}, {fit.method}."
@@ -119,10 +119,10 @@ def about(fit: "FemFit") -> str:
 
 def errors(fit: "FemFit") -> Table:
     """What each step bought."""
-    which, end = part(fit)
+    which, end = error_days(fit)
     keys = (f"rmse_{end}", f"mae_{end}", f"mbe_{end}", "rmse_train")
     rows = [
-        (str(name), *(number(row[key]) for key in keys), STEPS.get(str(name), ""))
+        (str(name), *(two_decimals(row[key]) for key in keys), STEPS.get(str(name), ""))
         for name, row in fit.scores.iterrows()
     ]
     return table(
@@ -133,7 +133,7 @@ def errors(fit: "FemFit") -> Table:
     )
 
 
-def call(fit: "FemFit") -> str:
+def fit_call(fit: "FemFit") -> str:
     """The call that made it."""
     arguments: dict[str, Any] = {
         "model": fit.model,

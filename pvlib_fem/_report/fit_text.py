@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pvlib_fem._report.formatting import number, value_and_error
+from pvlib_fem._report.formatting import two_decimals, value_and_error
 
 if TYPE_CHECKING:
     from pvlib_fem._fitting.fem_fit import FemFit
@@ -48,7 +48,7 @@ def lines(fit: "FemFit") -> Iterator[str]:
         "".join(f"{score:>8}" for score in ("RMSE", "MAE", "MBE")) for _ in range(2)
     )
     for name, line in fit.scores.iterrows():
-        cells = [f"{number(value):>8}" for value in line]
+        cells = [f"{two_decimals(value):>8}" for value in line]
         yield f"{name:<{wide}}{''.join(cells[:3])}  {''.join(cells[3:])}"
     yield ""
     for what, counts in (

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from pvlib_fem._fitting.fem_fit import FemFit
 
 
-def number(value: float) -> str:
+def two_decimals(value: float) -> str:
     """
     Two decimals, without a negative zero; a dash where there is none.
 
@@ -24,7 +24,7 @@ def number(value: float) -> str:
     return f"{value:z.2f}" if np.isfinite(value) else "–"
 
 
-def rounded(error: float) -> str:
+def two_digits(error: float) -> str:
     """
     Two digits, and never 2e+03; a dash where there is none.
 
@@ -40,7 +40,7 @@ def rounded(error: float) -> str:
     return f"{float(f'{error:.2g}'):g}" if np.isfinite(error) else "–"
 
 
-def spanned(low: float, high: float) -> str:
+def range_text(low: float, high: float) -> str:
     """
     From and to, to two digits of half of what is between them.
 

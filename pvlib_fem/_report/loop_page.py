@@ -30,7 +30,7 @@ from pvlib_fem._report.document import (
     section,
     table,
 )
-from pvlib_fem._report.formatting import number, with_error
+from pvlib_fem._report.formatting import two_decimals, with_error
 from pvlib_fem._report.page_parts import (
     DONE,
     NO_ROWS,
@@ -39,10 +39,10 @@ from pvlib_fem._report.page_parts import (
     heading,
     in_energy,
     made_by,
-    printed,
+    printed_report,
 )
 from pvlib_fem._report.page_pictures import picture_of_ceiling, pictures
-from pvlib_fem._report.shown import shown
+from pvlib_fem._report.shown import findings_with_pictures
 from pvlib_fem._report.treatment import treatment
 from pvlib_fem.effects import CHANGES
 from pvlib_fem.plotting._step_plots import spaced_name
@@ -161,7 +161,7 @@ def page(
         ),
         section("Annex: ambiguous findings and hints", undecided(loop, statements)),
         section("Annex: remaining error by time scale", in_time(loop)),
-        section("Annex: checks", rules(loop)),
+        section("Annex: checks", finding_checks(loop)),
         section("Annex: terms", listed(TERMS)),
         section("Annex: how to reproduce this report", reproduce(loop)),
     ]
@@ -170,7 +170,7 @@ def page(
 
 def evidence(loop: "Loop", statements: pd.DataFrame) -> Parts:
     """Each finding with its pictures, then the error of the model in pictures."""
-    items = shown(loop, statements)
+    items = findings_with_pictures(loop, statements)
     drawn = [(svg, words, one.text) for one in items for svg, words in one.pictures]
     return [
         figures(drawn) if drawn else [],
@@ -197,7 +197,7 @@ def to_do(statements: pd.DataFrame, gamma: float) -> list[Block]:
             one["action"] or "–",
             one["device"],
             one["since"] or "–",
-            number(one["gain"]),
+            two_decimals(one["gain"]),
             f"{one['energy']:.1f}" if np.isfinite(one["energy"]) else "–",
             one["certainty"] or "–",
         )
@@ -279,32 +279,33 @@ def residuals(loop: "Loop") -> dict[str, pd.Series | None]:
     return last if loop.last == loop.base else {"before": loop.residual_before, **last}
 
 
-def added(loop: "Loop") -> list[Finding]:
+def findings_in_model(loop: "Loop") -> list[Finding]:
     return [finding for finding in loop.finding_objects if finding.added]
 
 
-def part(loop: "Loop") -> tuple[str, str]:
+def error_days(loop: "Loop") -> tuple[str, str]:
     """The days that the errors of the verdict are of, and their column's ending."""
     return ("test", "test") if loop.fit.test_days else ("fitted", "train")
 
 
-def short(loop: "Loop") -> bool:
+def without_test_days(loop: "Loop") -> bool:
     """Whether there were too few days to leave any out."""
     return not loop.weighed
 
 
 def headline(loop: "Loop") -> str:
-    error = loop.table[f"rmse_{part(loop)[1]}"]
+    error = loop.table[f"rmse_{error_days(loop)[1]}"]
     before, after = error[loop.base], error[loop.last]
     if loop.last == loop.base:
-        return f"{before:.2f} K, no effect {'weighed' if short(loop) else 'added'}"
+        done = "weighed" if without_test_days(loop) else "added"
+        return f"{before:.2f} K, no effect {done}"
     return f"{before:.2f} K before, {after:.2f} K after"
 
 
 def conclusion(loop: "Loop") -> list[Paragraph]:
     """How good the model was and is, what was found, and what remains."""
     error, findings = loop.conclusion[:2]
-    if loop.weighed and not added(loop):
+    if loop.weighed and not findings_in_model(loop):
         findings += (
             " No effect of the catalogue and no column reduces the error by "
             f"{loop.criteria.min_rmse_reduction:.2f} K or more, beyond chance and with "
@@ -322,14 +323,14 @@ def on_errors(loop: "Loop") -> Paragraph:
     seen = "No fit and no decision has used the test days. " * bool(fit.test_days)
     return paragraph(
         f"{seen}{days} day{'s' * (days > 1)} with rows; model {fit.model}, "
-        f"dynamics {fit.dynamics}. {beginning(loop)}",
+        f"dynamics {fit.dynamics}. {first_model(loop)}",
         "soft",
     )
 
 
-def beginning(loop: "Loop") -> str:
+def first_model(loop: "Loop") -> str:
     """The model that the first number of the headline is of."""
-    error = loop.table[f"rmse_{part(loop)[1]}"]
+    error = loop.table[f"rmse_{error_days(loop)[1]}"]
     which = "The first error" if loop.last != loop.base else "The error"
     words = (
         f"{which} is that of the model without effects, fitted to this record with "
@@ -347,12 +348,12 @@ def names_of(finding: Finding) -> str:
     return finding.effect + (f" (or {' or '.join(others)})" if others else "")
 
 
-def where(finding: Finding) -> str:
+def pattern_place(finding: Finding) -> str:
     """Where unknown structure is, and how much."""
     return f"{finding.gain:.2f} K of the error is {finding.place}"
 
 
-def verdict(finding: Finding) -> str:
+def verdict_words(finding: Finding) -> str:
     """Its verdict in words."""
     alone = finding.verdict is Verdict.AMBIGUOUS and len(finding.candidates) == 1
     return f"{finding.verdict}: {VERDICTS['alone' if alone else finding.verdict]}"
@@ -363,14 +364,14 @@ def errors(loop: "Loop", gamma: float = GAMMA) -> Table:
     shown = loop.table.assign(
         energy_error_test=loop.table["energy_error_test"] * abs(gamma / GAMMA)
     )
-    which, end = part(loop)
+    which, end = error_days(loop)
     keys = [f"rmse_{end}", "rmse_test_day", "rmse_test_night", f"mbe_{end}"]
     keys += ["energy_error_test", "rmse_train"]
     verdicts = {f"+{f.effect}": f.verdict for f in loop.finding_objects}
     rows = [
         (
             spaced_name(str(name)),
-            *(number(row[key]) for key in keys),
+            *(two_decimals(row[key]) for key in keys),
             verdicts.get(str(name), STEPS.get(str(name), "")),
         )
         for name, row in shown.iterrows()
@@ -400,7 +401,7 @@ def undecided(loop: "Loop", statements: pd.DataFrame) -> Paragraph | Listing:
     open_ = [f for f in loop.finding_objects if f.verdict in undecided]
     if not open_:
         none = "Nothing: all that was found has one name."
-        return paragraph(none if added(loop) else "Nothing was found.")
+        return paragraph(none if findings_in_model(loop) else "Nothing was found.")
     texts = events.texts_by_cause(statements)
     others = statements[statements["verdict"] != events.EVENT]
     energies = dict(zip(others["cause"], others["energy"]))
@@ -413,14 +414,14 @@ def undecided(loop: "Loop", statements: pd.DataFrame) -> Paragraph | Listing:
     return listed(
         (
             texts.get(f.effect, names_of(f)),
-            f"{names_of(f)}; {verdict(f)}; {f.gain:.2f} K{worth(f.effect)}; "
-            f"{f.why}; it would be {numbers(f)}",
+            f"{names_of(f)}; {verdict_words(f)}; {f.gain:.2f} K{worth(f.effect)}; "
+            f"{f.why}; it would be {coefficient_words(f)}",
         )
         for f in open_
     )
 
 
-def rules(loop: "Loop") -> Paragraph | Table:
+def finding_checks(loop: "Loop") -> Paragraph | Table:
     """Every finding with its checks, the deciding one last."""
     rows = [
         (
@@ -446,7 +447,7 @@ def rules(loop: "Loop") -> Paragraph | Table:
     )
 
 
-def numbers(finding: Finding) -> str:
+def coefficient_words(finding: Finding) -> str:
     """
     Coefficients of a finding in one line.
 
@@ -470,10 +471,12 @@ def numbers(finding: Finding) -> str:
 
 def remaining(loop: "Loop") -> Block | list[Block]:
     """Patterns without a cause, days that stand out, and what power shows."""
-    items = [(where(f), f"{direction(f)}; {WITHOUT_CAUSE}") for f in loop.unexplained]
+    items = [
+        (pattern_place(f), f"{direction(f)}; {WITHOUT_CAUSE}") for f in loop.unexplained
+    ]
     items += [
         (days, f"{words}; the site's log may have the cause")
-        for days, words in budget.dates(loop)
+        for days, words in budget.days_that_stand_out(loop)
     ]
     for name, rows in events.by_kind(loop).items():
         happened = events.WORDS[name][1]
@@ -484,7 +487,7 @@ def remaining(loop: "Loop") -> Block | list[Block]:
         f"No pattern of {loop.criteria.min_rmse_reduction:.2f} K and more over hours, "
         "months or the columns of the record."
     )
-    if short(loop):
+    if without_test_days(loop):
         words = "Not looked for: there are too few days to leave any out."
     return [paragraph(words), *([listed(items)] if items else [])]
 
@@ -493,7 +496,7 @@ def in_time(loop: "Loop") -> list[Block]:
     """The error budget, all days that stand out, and events."""
     body: list[Block] = []
     if len(loop.episodes) > budget.MOST:
-        body.append(listed(budget.dates(loop, most=None)))
+        body.append(listed(budget.days_that_stand_out(loop, most=None)))
     for name, rows in events.by_kind(loop).items():
         happened = f"Power shows that {events.WORDS[name][1]}: {events.all_of(rows)}."
         body += [paragraph(happened), event_page(rows)]
@@ -505,7 +508,7 @@ def in_time(loop: "Loop") -> list[Block]:
         "they reduce the error of fitting weeks that are held out in turn. Days that "
         "stand out are taken from all weeks, and decide nothing."
     )
-    return [table(head, budget.cells(loop), words), *body]
+    return [table(head, budget.budget_cells(loop), words), *body]
 
 
 def event_page(rows: pd.DataFrame) -> Table:
@@ -520,7 +523,7 @@ def event_page(rows: pd.DataFrame) -> Table:
             f"{row['size']:.1f}",
             f"{100 * row['share']:.2f}",
             f"{100 * row['power']:.0f}",
-            number(row["energy"]),
+            two_decimals(row["energy"]),
             f"{row['temp_air']:.1f}",
         )
         for row in rows.head(MOST_EVENTS).to_dict("records")
@@ -564,10 +567,10 @@ def by_reason(reasons: Mapping[str, Because]) -> dict[str, list[str]]:
         if why.reason is Reason.DETECTABLE:
             name, words = f"{name} below {why.values['gain']:.2g} K", NOT_SHOWN
         groups.setdefault(words, []).append(name)
-    return {words: shortened(names) for words, names in groups.items()}
+    return {words: shortened_names(names) for words, names in groups.items()}
 
 
-def shortened(names: list[str]) -> list[str]:
+def shortened_names(names: list[str]) -> list[str]:
     """Names, those of all changes of instruments as one."""
     if not {*CHANGES} <= {*names}:
         return names
@@ -591,16 +594,18 @@ def untestable(loop: "Loop", never: Sequence[str]) -> list[Block]:
 
 def reproduce(loop: "Loop") -> Parts:
     """Version, call, hashes, and what else was tried."""
-    weighed = dict.fromkeys([*(f.effect for f in added(loop)), *loop.ranking.index])
+    weighed = dict.fromkeys(
+        [*(f.effect for f in findings_in_model(loop)), *loop.ranking.index]
+    )
     names = ", ".join(weighed) or "none"
     return [
-        made_by(loop.fit, call(loop)),
+        made_by(loop.fit, loop_call(loop)),
         paragraph(f"Effects that were weighed: {names}."),
-        printed(loop.report()),
+        printed_report(loop.report()),
     ]
 
 
-def call(loop: "Loop") -> str:
+def loop_call(loop: "Loop") -> str:
     """The call that made it."""
     arguments = [f"model={loop.fit.model!r}"]
     for name, value in loop.place.items():

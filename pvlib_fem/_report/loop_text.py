@@ -9,8 +9,8 @@ import numpy as np
 from pvlib_fem._findings import CORRECTED, PREDICTED, Correction, Finding, Verdict
 from pvlib_fem._record.file_summary import Summary
 from pvlib_fem._report import budget_text as budget, event_text as events
-from pvlib_fem._report.ceiling_text import sentence
-from pvlib_fem._report.formatting import rounded, spanned, with_error
+from pvlib_fem._report.ceiling_text import ceiling_sentence
+from pvlib_fem._report.formatting import range_text, two_digits, with_error
 from pvlib_fem._report.loop_page import by_reason
 from pvlib_fem.plotting._step_plots import step_name
 
@@ -47,7 +47,7 @@ STEPS = {
 OPEN = (Verdict.AMBIGUOUS, Verdict.HINT)
 
 
-def never(fit: "FemFit") -> list[str]:
+def not_identifiable(fit: "FemFit") -> list[str]:
     """
     What no such record can show.
 
@@ -79,15 +79,15 @@ def lines(loop: "Loop") -> Iterator[str]:
     """
     fit, record = loop.fit, loop.fit.summary
     yield (
-        f"pvlib_fem: the loop on {length(record)} · "
+        f"pvlib_fem: the loop on {record_length(record)} · "
         f"{record.rows:,} rows "
         f"· {fit.test_days} test days · {fit.model}, {fit.dynamics}"
     )
-    for head, words in (*clocks(loop), *rows(loop), *remaining(loop)):
-        yield from folded(head, words)
+    for head, words in (*clock_lines(loop), *error_rows(loop), *remaining(loop)):
+        yield from folded_line(head, words)
 
 
-def length(record: Summary) -> str:
+def record_length(record: Summary) -> str:
     """
     Days of a record, and its step.
 
@@ -106,7 +106,7 @@ def length(record: Summary) -> str:
     return f"{days} day{'s' if days > 1 else ''} at {width}"
 
 
-def folded(head: str, words: str) -> list[str]:
+def folded_line(head: str, words: str) -> list[str]:
     """A line, whose words go on below where they begin."""
     wide = max(WIDE, len(head))
     fold = TextWrapper(
@@ -119,13 +119,13 @@ def folded(head: str, words: str) -> list[str]:
     return fold.wrap(words) or [head.rstrip()]
 
 
-def clocks(loop: "Loop") -> Iterator[tuple[str, str]]:
+def clock_lines(loop: "Loop") -> Iterator[tuple[str, str]]:
     """Clock faults come first, since all else may be wrong by them."""
     for one in loop.corrections:
         yield "corrected" if one.applied else "CLOCK FAULT", one.why
 
 
-def rows(loop: "Loop") -> Iterator[tuple[str, str]]:
+def error_rows(loop: "Loop") -> Iterator[tuple[str, str]]:
     """The table of errors, a row for each step."""
     head = ("RMSE", "day", "night", "MBE")
     part = "test" if loop.fit.test_days else "train"
@@ -135,15 +135,15 @@ def rows(loop: "Loop") -> Iterator[tuple[str, str]]:
     verdicts = {f"+{f.effect}": f for f in loop.finding_objects if f.added}
     for key, row in loop.table.iterrows():
         name = str(key)
-        cells = "".join(cell(row[column], 7) for column in shown)
-        cells += cell(row["energy_error_test"], 9) + " %"
+        cells = "".join(number_cell(row[column], 7) for column in shown)
+        cells += number_cell(row["energy_error_test"], 9) + " %"
         title = step_name(name)
         words = STEPS.get(name, "")
         if name in verdicts:
-            words = verdict(verdicts[name], loop)
+            words = verdict_words(verdicts[name], loop)
         if name == CORRECTED:
             own = [one for one in loop.corrections if one.unit == "K"]
-            words = "; ".join(map(corrected, own))
+            words = "; ".join(map(clock_error_words, own))
         yield f"{title:<{WIDE}}{cells}    ", words
 
 
@@ -151,18 +151,18 @@ def remaining(loop: "Loop") -> Iterator[tuple[str, str]]:
     """Remaining error, ambiguous findings, what is not testable, and the notes."""
     if words := budget.in_time(loop):
         yield "remaining error", words
-    for days, words in budget.dates(loop):
+    for days, words in budget.days_that_stand_out(loop):
         yield "check the site's log", f"{days}: {words}"
-    if words := budget.more(loop):
+    if words := budget.more_episodes(loop):
         yield "", words
     for name, rows in events.by_kind(loop).items():
         happened = events.WORDS[name][1]
-        words = f"{happened}, {events.all_of(rows)}; {events.largest(rows)}"
+        words = f"{happened}, {events.all_of(rows)}; {events.largest_events(rows)}"
         yield "power shows", words
     for finding in loop.unexplained:
         yield "unexplained pattern", finding.why
     if loop.known_ceiling is not None:
-        yield "could be explained", sentence(loop.known_ceiling)
+        yield "could be explained", ceiling_sentence(loop.known_ceiling)
     for finding in loop.finding_objects:
         if finding.verdict in OPEN:
             names = " | ".join(finding.candidates)
@@ -176,14 +176,14 @@ def remaining(loop: "Loop") -> Iterator[tuple[str, str]]:
         yield from (("cross-check", str(one)) for one in finding.conclusive_checks)
     for why, names in by_reason(loop.untestable).items():
         yield "not testable", f"{', '.join(names)} ({why})"
-    for i, words in enumerate(never(loop.fit)):
+    for i, words in enumerate(not_identifiable(loop.fit)):
         yield "" if i else "not identifiable", words
     if not loop.fit.test_days:
         yield "note", "no test days: these are errors on the fitted days"
     yield from (("note", note) for note in loop.notes)
 
 
-def cell(value: float, width: int) -> str:
+def number_cell(value: float, width: int) -> str:
     """
     A number with two decimals, to the right of its cell; a dash for NaN.
 
@@ -201,7 +201,7 @@ def cell(value: float, width: int) -> str:
     return f"{'–':>{width}}" if np.isnan(value) else f"{value:>z{width}.2f}"
 
 
-def verdict(finding: Finding, loop: "Loop") -> str:
+def verdict_words(finding: Finding, loop: "Loop") -> str:
     """Words behind the row of an added effect."""
     (effect,) = [e for e in loop.fit.effects if e.name == finding.effect]
     parts = []
@@ -213,19 +213,19 @@ def verdict(finding: Finding, loop: "Loop") -> str:
         name = f"{key.split('.')[-1]} " if len(effect.parameters) > 1 else ""
         unit = "" if row.unit == "-" else f" {row.unit}"
         if key in finding.ranges:
-            unit += f" (range {spanned(*finding.ranges[key])})"
+            unit += f" (range {range_text(*finding.ranges[key])})"
         parts.append(f"{name}{number}{unit}")
     words = f"{finding.verdict}  {', '.join(parts)}"
     return words + (f", from {effect.source}" if effect.source else "")
 
 
-def corrected(correction: Correction) -> str:
+def clock_error_words(correction: Correction) -> str:
     """What a clock was out by, in words."""
     parts = []
     for key, value in correction.values.items():
         around = ""
         if key in correction.stderr:
-            around = f" ± {rounded(correction.stderr[key])}"
+            around = f" ± {two_digits(correction.stderr[key])}"
         unit, late, early = LATE[key]
         way = late if value > 0 else early
         parts.append(f"{abs(value):.1f}{around} {unit} {way}")

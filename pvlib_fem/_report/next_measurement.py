@@ -37,11 +37,16 @@ def to_measure(loop: "Loop") -> list[tuple[str, str]]:
         What to measure, and what it would show.
     """
     if not loop.weighed:
-        return [*longer(loop), *lacking(loop)]
-    return [*settling(loop), *logs(loop), *lacking(loop), *longer(loop)]
+        return [*longer_record(loop), *missing_columns(loop)]
+    return [
+        *deciding_by_gain(loop),
+        *logs_of_days(loop),
+        *missing_columns(loop),
+        *longer_record(loop),
+    ]
 
 
-def settling(loop: "Loop") -> list[tuple[str, str]]:
+def deciding_by_gain(loop: "Loop") -> list[tuple[str, str]]:
     """What would decide a tie or a hint, or name unknown structure, by its gain."""
     catalogue = EFFECTS | {effect.name: effect for effect in loop.fit.effects}
     items = []
@@ -60,21 +65,21 @@ def settling(loop: "Loop") -> list[tuple[str, str]]:
     return [(what, why) for _, what, why in items]
 
 
-def logs(loop: "Loop") -> Iterator[tuple[str, str]]:
+def logs_of_days(loop: "Loop") -> Iterator[tuple[str, str]]:
     """What was done on the days that stand out."""
-    for days, words in budget.dates(loop):
+    for days, words in budget.days_that_stand_out(loop):
         yield (
             f"what the site's log has of {days} (to look up)",
             f"would explain {words}",
         )
 
 
-def lacking(loop: "Loop") -> Iterator[tuple[str, str]]:
+def missing_columns(loop: "Loop") -> Iterator[tuple[str, str]]:
     """Columns that the record has not, those first that make most effects testable."""
     there = loop.fit.summary.columns
     effects, reasons = {}, {}
     for name, why in loop.untestable.items():
-        for needs in sources(name, there):
+        for needs in column_sets(name, there):
             effects.setdefault(needs, []).append(name)
             # a column may be there and of no use
             if any(reason.values.get("column") in needs for reason in why.all):
@@ -86,7 +91,7 @@ def lacking(loop: "Loop") -> Iterator[tuple[str, str]]:
         yield what, f"would test {', '.join(effects[needs])}{reasons.get(needs, '')}"
 
 
-def sources(name: str, there: Sequence[str]) -> list[tuple[str, ...]]:
+def column_sets(name: str, there: Sequence[str]) -> list[tuple[str, ...]]:
     """Sets of columns, none within another, with any of which it could be tested."""
     sets = []
     for variant in EFFECTS[name].forms if name in EFFECTS else ():
@@ -99,7 +104,7 @@ def sources(name: str, there: Sequence[str]) -> list[tuple[str, ...]]:
     return [one for one in sets if not any(set(two) < set(one) for two in sets)]
 
 
-def longer(loop: "Loop") -> Iterator[tuple[str, str]]:
+def longer_record(loop: "Loop") -> Iterator[tuple[str, str]]:
     """What more days would show."""
     if not loop.weighed:
         yield "more days", "this record has too few to leave any out"

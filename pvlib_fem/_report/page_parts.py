@@ -19,7 +19,12 @@ from pvlib_fem._report.document import (
     paragraph,
     table,
 )
-from pvlib_fem._report.formatting import number, rounded, spanned, value_and_error
+from pvlib_fem._report.formatting import (
+    range_text,
+    two_decimals,
+    two_digits,
+    value_and_error,
+)
 from pvlib_fem._report.treatment import Treatment
 from pvlib_fem.scores import energy_error
 
@@ -90,11 +95,11 @@ def coefficients(
         bound = "at its bound" if name in fit.at_bound else ""
         value, error = value_and_error(fit, name)
         span = f"{row.lower:g} … {row.upper:g}{share}"
-        other = spanned(*ranges[name]) if name in ranges else ""
+        other = range_text(*ranges[name]) if name in ranges else ""
         rows.append((name, value, error, row.unit, other, span, bound))
     for one in corrections:  # a clock has numbers and no place in the model
         for name, value in one.values.items():
-            error = rounded(one.stderr.get(name, np.nan))
+            error = two_digits(one.stderr.get(name, np.nan))
             unit = "s/day" if name == "drift" else "min"
             what = "corrected" if one.applied else "not corrected"
             rows.append((f"clock: {name}", f"{value:.4g}", error, unit, "", "", what))
@@ -145,7 +150,7 @@ def in_energy(
         sun = error.insolation
         parts = (error.total, error.over_estimate, error.under_estimate, error.net)
         share = 100.0 * error.total / sun if sun else np.nan
-        lines.append((name, number(share), *map(number, parts)))
+        lines.append((name, two_decimals(share), *map(two_decimals, parts)))
     head = (
         "model",
         "#% of yield",
@@ -219,7 +224,7 @@ def made_by(fit: "FemFit", call: str) -> list[Block]:
     return [Verbatim(text), paragraph(f"{words}.", "soft")]
 
 
-def printed(result: object) -> Verbatim:
+def printed_report(result: object) -> Verbatim:
     """
     The printed report, behind a line.
 

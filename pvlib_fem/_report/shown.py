@@ -30,7 +30,7 @@ class Shown:
     note: str = ""
 
 
-def shown(loop: "Loop", statements: pd.DataFrame) -> list[Shown]:
+def findings_with_pictures(loop: "Loop", statements: pd.DataFrame) -> list[Shown]:
     """
     Clocks, findings in the model and events, each with its pictures.
 

@@ -30,15 +30,15 @@ def treatment(loop: "Loop") -> list[Treatment]:
         Step, column, number of rows (None where it is unknown), and what was done.
     """
     return [
-        *given(loop),
-        *clocks(loop),
+        *given_rows(loop),
+        *clock_treatment(loop),
         *columns_made(loop),
-        *screened(loop.fit.summary),
-        *kept(loop),
+        *screened_values(loop.fit.summary),
+        *kept_rows(loop),
     ]
 
 
-def given(loop: "Loop") -> Iterator[Treatment]:
+def given_rows(loop: "Loop") -> Iterator[Treatment]:
     """Rows as they were given, and what was done as they were read."""
     if rows := loop.reading.get("rows"):
         yield "given", "all", rows, "rows of the data"
@@ -46,18 +46,18 @@ def given(loop: "Loop") -> Iterator[Treatment]:
         yield "reading", "", None, note
 
 
-def clocks(loop: "Loop") -> Iterator[Treatment]:
+def clock_treatment(loop: "Loop") -> Iterator[Treatment]:
     """Clocks that were corrected, or not, and rows whose time is unknown."""
     for one in loop.corrections:
         columns = ", ".join(one.columns)
         words = one.why if one.applied else f"not corrected: {one.why}"
-        yield "clock", columns, shifted(loop, one) if one.applied else 0, words
+        yield "clock", columns, shifted_rows(loop, one) if one.applied else 0, words
     rows = loop.reading.get("rows")
     if rows and (lost := rows - loop.fit.summary.rows):
         yield "clock", "all", lost, "left out, since their time is unknown"
 
 
-def shifted(loop: "Loop", correction: Correction) -> int | None:
+def shifted_rows(loop: "Loop", correction: Correction) -> int | None:
     """Rows that a correction of a clock moves; None without the rows."""
     record, times = loop.fit.record, loop.times
     if record is None or times is None:
@@ -86,7 +86,7 @@ def columns_made(loop: "Loop") -> Iterator[Treatment]:
         yield "filled", one.usual, None, words
 
 
-def screened(record: Summary) -> Iterator[Treatment]:
+def screened_values(record: Summary) -> Iterator[Treatment]:
     """
     Values that are missing, impossible or set to zero, by column of a summary.
 
@@ -110,7 +110,7 @@ def screened(record: Summary) -> Iterator[Treatment]:
         yield "screening", "poa_global", record.clipped, "below zero, set to 0"
 
 
-def kept(loop: "Loop") -> Iterator[Treatment]:
+def kept_rows(loop: "Loop") -> Iterator[Treatment]:
     """Rows that are left, by their use."""
     residual = loop.fit.residual
     if residual is not None:

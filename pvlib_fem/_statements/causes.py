@@ -149,10 +149,10 @@ def clause_of(
         clause = SPECIAL[kind](effect, numbers)
     else:
         clause = of_model(effect, numbers)
-    return dated(clause, effect, first, last)
+    return dated_clause(clause, effect, first, last)
 
 
-def dated(clause: Clause, effect: Effect, first: str, last: str) -> Clause:
+def dated_clause(clause: Clause, effect: Effect, first: str, last: str) -> Clause:
     """The clause with the dates of its effect."""
     if not is_dated(effect):
         return clause
@@ -179,7 +179,7 @@ def of_instrument(
         repair.column == "wind_speed" and not coefficients.get("u1", 0.0) > 0.0
     ):
         words = f"{repair.device} {reads.unsized or 'has changed'}"
-        return Clause(plain(repair.device), words, reads.action)
+        return Clause(without_article(repair.device), words, reads.action)
     added = repair.added(Fault.from_finding(effect, numbers), coefficients)
     drifts = time_profile_of(effect) == "drift"
     years = (day_number(last) - day_number(first)) / YEAR if drifts else 1.0
@@ -188,11 +188,11 @@ def of_instrument(
     words = f"{repair.device} {reads.less if value < 0 else reads.more}".format(size)
     unit = unit_of(effect, repair).replace("1/", "%/").replace("-", "%")
     words += PER_YEAR if drifts else ""
-    device = plain(repair.device)
+    device = without_article(repair.device)
     return Clause(device, words, reads.action, value, error, low, high, unit)
 
 
-def plain(device: str) -> str:
+def without_article(device: str) -> str:
     """A device without its article."""
     return device.removeprefix("the ")
 
@@ -218,7 +218,7 @@ def reading_of(
     return read(value), half, read(high), read(low)
 
 
-def sized(effect: Effect, numbers: Numbers, times: float = 1.0) -> Estimate:
+def only_size(effect: Effect, numbers: Numbers, times: float = 1.0) -> Estimate:
     """The only coefficient of an effect with its error and range."""
     keys = [key for key in effect.rows() if key in numbers.coefficients]
     if len(keys) != 1:
@@ -235,7 +235,7 @@ def sized(effect: Effect, numbers: Numbers, times: float = 1.0) -> Estimate:
     )
 
 
-def spoken(estimate: Estimate) -> str:
+def absolute_size(estimate: Estimate) -> str:
     """The absolute size with its error."""
     unit = "" if estimate["unit"] == "-" else f" {estimate['unit']}"
     return f"{with_error(abs(estimate['value']), estimate['error'])}{unit}"
@@ -244,12 +244,12 @@ def spoken(estimate: Estimate) -> str:
 def of_model(effect: Effect, numbers: Numbers) -> Clause:
     """An effect that is missing from the model."""
     words = f"{effect.title or effect.name} is missing from the model"
-    return Clause(MODEL, words, **sized(effect, numbers))
+    return Clause(MODEL, words, **only_size(effect, numbers))
 
 
 def of_column(effect: Effect, numbers: Numbers) -> Clause:
     """A column of the user's own that the error follows."""
-    estimate = sized(effect, numbers)
+    estimate = only_size(effect, numbers)
     words = f"the error follows the column {effect.column}"
     if estimate:
         size = with_error(estimate["value"], estimate["error"])
@@ -259,8 +259,8 @@ def of_column(effect: Effect, numbers: Numbers) -> Clause:
 
 
 def mounting(effect: Effect, numbers: Numbers) -> Clause:
-    estimate = sized(effect, numbers, SHARE)
-    size = f"{spoken(estimate)} " if estimate else ""
+    estimate = only_size(effect, numbers, SHARE)
+    size = f"{absolute_size(estimate)} " if estimate else ""
     more, each = "more" if not estimate or estimate["value"] > 0 else "less", ""
     if time_profile_of(effect) == "drift":
         estimate["unit"] = "%/year"
@@ -271,7 +271,7 @@ def mounting(effect: Effect, numbers: Numbers) -> Clause:
 
 
 def soiling(effect: Effect, numbers: Numbers) -> Clause:
-    if not (estimate := sized(effect, numbers, SHARE)):
+    if not (estimate := only_size(effect, numbers, SHARE)):
         words = "dirt gathers between rains on the irradiance sensor or the modules"
         return Clause("irradiance sensor or modules", words)
     estimate["unit"] = "%/day"
@@ -296,7 +296,7 @@ def shading(effect: Effect, numbers: Numbers) -> Clause:
         f"azimuth {a:.0f}° to {b:.0f}°, elevation {c:.0f}° to {d:.0f}°"
         for a, b, c, d in windows
     )
-    estimate = sized(effect, numbers)
+    estimate = only_size(effect, numbers)
     if effect.settings.get("sensor"):
         device, words = "irradiance sensor", "the irradiance sensor is shaded"
     elif estimate and estimate["value"] < 0:
@@ -352,13 +352,13 @@ def angle_of(name: str, numbers: Numbers) -> tuple[float, str] | None:
 
 
 def temperature_gain(effect: Effect, numbers: Numbers) -> Clause:
-    estimate = sized(effect, numbers)
+    estimate = only_size(effect, numbers)
     words = "the module temperature sensor has another slope than the air's"
     if estimate:
         more = "more" if estimate["value"] > 0 else "less"
         words = (
-            f"the module temperature sensor reads {spoken(estimate)} K {more} for each "
-            "kelvin of air temperature"
+            f"the module temperature sensor reads {absolute_size(estimate)} K {more} "
+            "for each kelvin of air temperature"
         )
     action = "Recalibrate the module temperature sensor"
     return Clause("module temperature sensor", words, action, **estimate)
@@ -375,7 +375,7 @@ def modules_covered(effect: Effect, numbers: Numbers) -> Clause:
         "are both low"
     )
     action = "Look up the hours of loop.events in the site's log"
-    return Clause(MODULES, words, action, **sized(effect, numbers))
+    return Clause(MODULES, words, action, **only_size(effect, numbers))
 
 
 def sensor_covered(effect: Effect, numbers: Numbers) -> Clause:
@@ -384,13 +384,13 @@ def sensor_covered(effect: Effect, numbers: Numbers) -> Clause:
         "temperature are both high for what it reads"
     )
     action = "Clean the irradiance sensor, and look for what shades it"
-    return Clause("irradiance sensor", words, action, **sized(effect, numbers))
+    return Clause("irradiance sensor", words, action, **only_size(effect, numbers))
 
 
 def outage(effect: Effect, numbers: Numbers) -> Clause:
     words = "the modules are warmer for hours in which the plant gives no power"
     action = "Look up the hours of loop.events in the inverter's log"
-    return Clause("plant", words, action, **sized(effect, numbers))
+    return Clause("plant", words, action, **only_size(effect, numbers))
 
 
 def tracker_stuck(effect: Effect, numbers: Numbers) -> Clause:
@@ -398,7 +398,7 @@ def tracker_stuck(effect: Effect, numbers: Numbers) -> Clause:
     where = in_words(*plane)
     words = f"the modules were stuck {where}, while the irradiance sensor moved"
     action = "Check the drive of the tracker"
-    return Clause("tracker", words, action, **sized(effect, numbers))
+    return Clause("tracker", words, action, **only_size(effect, numbers))
 
 
 #: causes whose words have a direction of their own

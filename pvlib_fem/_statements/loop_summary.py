@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pvlib_fem._findings import PREDICTED
-from pvlib_fem._report.ceiling_text import sentence
-from pvlib_fem._report.formatting import rounded
-from pvlib_fem._report.loop_text import cell, length
+from pvlib_fem._report.ceiling_text import ceiling_sentence
+from pvlib_fem._report.formatting import two_digits
+from pvlib_fem._report.loop_text import number_cell, record_length
 from pvlib_fem._statements.make import PATTERN, STUCK
 from pvlib_fem._statements.statement import Statement
 from pvlib_fem.plotting._step_plots import step_name
@@ -36,7 +36,9 @@ def summary(loop: "Loop") -> list[str]:
         At most 25, none wider than 100 signs.
     """
     statements = loop.statement_objects
-    words = [line for one in conclusion(loop, statements) for line in wrapped(one)]
+    words = [
+        line for one in conclusion(loop, statements) for line in wrapped_lines(one)
+    ]
     head = [*heading(loop), *words, "", *steps(loop), ""]
     room = LINES - len(head) - 2
     body = findings(statements, room)
@@ -45,14 +47,14 @@ def summary(loop: "Loop") -> list[str]:
 
 def heading(loop: "Loop") -> Iterator[str]:
     fit, record = loop.fit, loop.fit.summary
-    yield from wrapped(
-        f"pvlib_fem: the loop on {length(record)}, "
+    yield from wrapped_lines(
+        f"pvlib_fem: the loop on {record_length(record)}, "
         f"{record.start:%Y-%m-%d} to {record.end:%Y-%m-%d}, {record.rows:,} rows; "
-        f"{fit.model}, {fit.dynamics}{instead(loop)}"
+        f"{fit.model}, {fit.dynamics}{replacements_line(loop)}"
     )
 
 
-def instead(loop: "Loop") -> str:
+def replacements_line(loop: "Loop") -> str:
     """What was not measured, and what stands for it."""
     calm = "wind_speed" not in loop.fit.summary.columns
     words = "; no wind_speed" * calm
@@ -63,7 +65,7 @@ def instead(loop: "Loop") -> str:
     return words
 
 
-def part(loop: "Loop") -> tuple[str, str]:
+def error_days(loop: "Loop") -> tuple[str, str]:
     """The days that the errors are of, and the ending of their columns."""
     if loop.fit.test_days:
         return f"{loop.fit.test_days} test days", "test"
@@ -87,7 +89,7 @@ def conclusion(loop: "Loop", statements: list[Statement]) -> Iterator[str]:
         A sentence on the errors, one on the findings, and one on the ceiling if it is
         known.
     """
-    which, end = part(loop)
+    which, end = error_days(loop)
     error, energy = loop.table[f"rmse_{end}"], loop.table["energy_error_test"]
     before, after = error[loop.base], error[loop.last]
     if loop.last == loop.base:
@@ -100,12 +102,12 @@ def conclusion(loop: "Loop", statements: list[Statement]) -> Iterator[str]:
         both = dict.fromkeys(f"{energy[n]:.2f}" for n in (loop.base, loop.last))
         words += f"; energy error: {' → '.join(both)} %"
     yield f"Error (RMSE) on {which}: {words}."
-    yield counted(loop, statements)
+    yield counted_findings(loop, statements)
     if loop.known_ceiling is not None:
-        yield sentence(loop.known_ceiling)
+        yield ceiling_sentence(loop.known_ceiling)
 
 
-def counted(loop: "Loop", statements: list[Statement]) -> str:
+def counted_findings(loop: "Loop", statements: list[Statement]) -> str:
     """What was found and what remains, by numbers."""
     if not loop.weighed:
         return "The record is too short to weigh any effect."
@@ -128,7 +130,7 @@ def counted(loop: "Loop", statements: list[Statement]) -> str:
 
 def steps(loop: "Loop") -> Iterator[str]:
     """The table of errors: models without effects, then the last effects."""
-    _, end = part(loop)
+    _, end = error_days(loop)
     keys = (f"rmse_{end}", "rmse_test_day", "rmse_test_night", f"mbe_{end}")
     yield f"{'error [K]':<26}" + "".join(
         f"{n:>8}" for n in ("RMSE", "day", "night", "MBE")
@@ -140,7 +142,7 @@ def steps(loop: "Loop") -> Iterator[str]:
     others = [name for name in effects if name == PREDICTED]
     for name in [*first, loop.base, *causes[-MOST_EFFECTS:], *others]:
         row = loop.table.loc[name]
-        cells = "".join(cell(row[key], 8) for key in keys)
+        cells = "".join(number_cell(row[key], 8) for key in keys)
         yield f"{step_name(name):<26}{cells}"
 
 
@@ -150,11 +152,11 @@ def findings(statements: list[Statement], room: int) -> list[str]:
     for i, one in enumerate(statements):
         sizes = [f"{one.gain:.2f} K"] if np.isfinite(one.gain) else []
         if np.isfinite(one.energy):
-            sizes.append(f"{rounded(one.energy)} kWh/kWp a year")
+            sizes.append(f"{two_digits(one.energy)} kWh/kWp a year")
         worth = f" [{', '.join(sizes)}]" if sizes else ""
         words = f"{one.text}{worth}. {one.certainty.rstrip('.')}".rstrip(". ")
         action = f" → {one.action}." if one.action else ""
-        block = wrapped(f"{i + 1:>2}. {words}.{action}", "    ")
+        block = wrapped_lines(f"{i + 1:>2}. {words}.{action}", "    ")
         if len(lines) + len(block) > room:
             rest = len(statements) - i
             more = f"{rest} more {'is' if rest == 1 else 'are'} in loop.statements."
@@ -163,7 +165,7 @@ def findings(statements: list[Statement], room: int) -> list[str]:
     return lines
 
 
-def wrapped(text: str, indent: str = "") -> list[str]:
+def wrapped_lines(text: str, indent: str = "") -> list[str]:
     """Lines of a text, none wider than a window."""
     wrapper = TextWrapper(
         WIDTH,

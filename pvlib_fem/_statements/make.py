@@ -109,7 +109,7 @@ def finding_statement(finding: Finding, loop: "Loop") -> Statement:
         cause=finding.effect,
         device=" or ".join(dict.fromkeys(clause.device for clause in clauses)),
         verdict=str(finding.verdict),
-        text=sentence(finding, clauses),
+        text=finding_sentence(finding, clauses),
         action=action_of(finding, clauses, [e for e in effects if e is not None]),
         certainty=certainty_of(finding),
         gain=finding.gain,
@@ -143,7 +143,7 @@ def clause_or_name(
     return clause_of(effect, numbers, loop.fit.coefficients, *days_of(loop))
 
 
-def sentence(finding: Finding, clauses: list[Clause]) -> str:
+def finding_sentence(finding: Finding, clauses: list[Clause]) -> str:
     """The clauses of all causes with the dates of the first."""
     first, *others = clauses
     parts = [words_of(first, finding.place)]
@@ -258,7 +258,7 @@ def event_statements(loop: "Loop") -> Iterator[Statement]:
             verdict=events.EVENT,
             text=(
                 f"{happened[:1].upper()}{happened[1:]} ({events.all_of(rows)}), most "
-                f"from {events.described(rows.iloc[0])}"
+                f"from {events.event_words(rows.iloc[0])}"
             ),
             action=f"Look up these hours, in loop.events, in {log}",
             certainty=f"Power shows it{modelled}",
@@ -302,7 +302,7 @@ def apart_on(standing: Standing, episodes: pd.DataFrame) -> float:
 def date_statements(loop: "Loop") -> Iterator[Statement]:
     """Days that stand out as statements."""
     for row in loop.episodes.to_dict("records")[: budget.MOST]:
-        days, words = budget.span(row), budget.apart(row)
+        days, words = budget.episode_span(row), budget.deviation_by_day_and_night(row)
         yield Statement(
             cause=DAYS,
             device=MODULES,

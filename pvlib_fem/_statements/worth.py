@@ -82,7 +82,7 @@ def energies(loop: "Loop", gamma: float = GAMMA) -> dict[str, float]:
     record = loop.fit.record
     if record is None:
         return {}
-    changes = clocks(loop, record, gamma) | days(loop, record, gamma)
+    changes = clock_energy(loop, record, gamma) | days(loop, record, gamma)
     if not (loop.fit.effects or loop.patterns or loop.hint_effects):
         return changes
     record = coarse(record, STEP)
@@ -205,7 +205,7 @@ def days(loop: "Loop", record: Record, gamma: float) -> dict[str, float]:
     return changes
 
 
-def clocks(loop: "Loop", record: Record, gamma: float) -> dict[str, float]:
+def clock_energy(loop: "Loop", record: Record, gamma: float) -> dict[str, float]:
     """Of the clock of the module's logger, where it was corrected."""
     changes = {}
     if loop.times is None or not loop.times.module.fault:

@@ -15,7 +15,7 @@ from pvlib_fem._report.document import (
     section,
     table as markup,
 )
-from pvlib_fem._report.formatting import number, spanned, with_error
+from pvlib_fem._report.formatting import range_text, two_decimals, with_error
 
 #: parts of the page: beginnings of the names of their conventions, and their use
 PARTS = {
@@ -82,7 +82,7 @@ def cells(row: pd.Series) -> tuple[str, str, str]:
     if not (np.isfinite(error) and error > 0.0):
         return f"{value:.4g}", "–", "–"
     size, _, margin = with_error(value, error).partition(" ± ")
-    return size, margin, spanned(row["low"], row["high"])
+    return size, margin, range_text(row["low"], row["high"])
 
 
 def as_text(table: pd.DataFrame) -> str:
@@ -126,7 +126,7 @@ def wrapped_lines(name: str, words: str) -> list:
 
 
 def mismatch_text(row: pd.Series) -> str:
-    return number(row["mismatch"]) if np.isfinite(row["mismatch"]) else ""
+    return two_decimals(row["mismatch"]) if np.isfinite(row["mismatch"]) else ""
 
 
 def conditions(table: pd.DataFrame) -> str:

@@ -21,7 +21,7 @@ from pvlib_fem._report.document import (
     section,
     table,
 )
-from pvlib_fem._report.formatting import number, rounded
+from pvlib_fem._report.formatting import two_decimals, two_digits
 from pvlib_fem._report.page_parts import heading
 from pvlib_fem._stored import saved
 from pvlib_fem.fleet._results import Results
@@ -123,8 +123,8 @@ def headline(systems: pd.DataFrame) -> str:
     if waiting := int((systems["state"] == "not run").sum()):
         words += f", {waiting:,} not run"
     if len(done):
-        before, after = done[["rmse_before", "rmse_after"]].median()
-        words += f"; median error {number(before)} K before, {number(after)} K after"
+        before, after = map(two_decimals, done[["rmse_before", "rmse_after"]].median())
+        words += f"; median error {before} K before, {after} K after"
     return words
 
 
@@ -142,10 +142,10 @@ def to_visit(systems: pd.DataFrame, pages: Pages) -> Table:
             pages[row["id"]],
             row["site"],
             f"{row['lost']:,.0f}" if known else f"{row['lost']:.1f}",
-            number(row["share"]),
-            number(row["energy_error_after"]),
-            number(row["rmse_before"]),
-            number(row["rmse_after"]),
+            two_decimals(row["share"]),
+            two_decimals(row["energy_error_after"]),
+            two_decimals(row["rmse_before"]),
+            two_decimals(row["rmse_after"]),
             row["effects"],
         )
         for row in rows.head(SHOWN).to_dict("records")
@@ -219,8 +219,8 @@ def by_effect(systems: pd.DataFrame, findings: pd.DataFrame) -> Paragraph | Tabl
                     f"{count:,}",
                     f"{100.0 * count / done:.0f}",
                     f"{len(sites):,}",
-                    number(gain.median()),
-                    number(gain.max()),
+                    two_decimals(gain.median()),
+                    two_decimals(gain.max()),
                     few_names(sites),
                 ),
             )
@@ -247,7 +247,7 @@ def by_site(
             few_names(group.candidates, " or ", " or "),
             group.words,
             dates_of_group(group),
-            number(float(np.median([*group.systems.values()]))),
+            two_decimals(float(np.median([*group.systems.values()]))),
             pages[min(group.systems, key=lambda one: (-group.systems[one], one))],
         )
         for group in groups[:SHOWN]
@@ -283,7 +283,7 @@ def coefficient_table(
     for (label, name), some in own.groupby(["by", "coefficient"], sort=True):
         low, middle, high = some["value"].quantile([0.1, 0.5, 0.9])
         error = some["stderr"].median()
-        cells = (*map(four_digits, (low, middle, high)), rounded(error))
+        cells = (*map(four_digits, (low, middle, high)), two_digits(error))
         count = f"{len(some):,}"
         lines.append((label or "not given", name, some["unit"].iloc[0], count, *cells))
     if not lines:

@@ -21,7 +21,7 @@ from pvlib_fem._record.file_summary import present
 from pvlib_fem._recovery.recover import recover_effects
 from pvlib_fem._recovery.recovery_result import FORMAT, Recovery
 from pvlib_fem._report.formatting import with_error
-from pvlib_fem._report.loop_page import numbers
+from pvlib_fem._report.loop_page import coefficient_words
 from pvlib_fem._spelling import did_you_mean
 from pvlib_fem._stored import as_json
 from pvlib_fem.reasons import Reason
@@ -212,7 +212,7 @@ def of_finding(finding: Finding, effects: Mapping) -> dict[str, Any]:
         "kind": finding.kind.name,
         "added": finding.added,
         "gain": finding.gain,
-        "size": numbers(finding),
+        "size": coefficient_words(finding),
         "place": finding.place,
         "first": first,
         "last": last,

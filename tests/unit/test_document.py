@@ -8,7 +8,7 @@ import pytest
 from test_report import Page
 
 from pvlib_fem._report import document as made
-from pvlib_fem._report.formatting import number
+from pvlib_fem._report.formatting import two_decimals
 
 HOSTILE = (
     "<script>alert(1)</script>",
@@ -57,7 +57,7 @@ def test_an_svg_stands_as_it_is_and_a_number_as_it_is_printed():
     assert SVG in page_of("x")
     table = made.table(("a", "#b"), [("one", 2)])
     assert '<td>one</td><td class="n">2</td>' in made.fragment([table])
-    assert number(-0.001) == "0.00" and number(np.nan) == "–"
+    assert two_decimals(-0.001) == "0.00" and two_decimals(np.nan) == "–"
 
 
 def test_a_value_that_a_template_does_not_know_is_an_error():

@@ -16,7 +16,7 @@ from pvlib_fem._findings import Finding, Verdict
 from pvlib_fem._report import evidence
 from pvlib_fem._report.clocks import picture_of_clock
 from pvlib_fem._report.rows import Rows
-from pvlib_fem._report.shown import NONE, shown
+from pvlib_fem._report.shown import NONE, findings_with_pictures
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.reasons import Reason, because
 
@@ -147,7 +147,7 @@ def test_every_effect_has_pictures_or_a_sentence(true, sound, name):  # noqa: F8
     place = {"location": where, "surface_tilt": 35.0, "surface_azimuth": 180.0}
     loop = replace(sound, fit=fit, finding_objects=(finding,), place=place)
     loop = replace(loop, residual_before=fit.residual)
-    (one,) = shown(loop, loop.statements)
+    (one,) = findings_with_pictures(loop, loop.statements)
     assert one.pictures or one.note == NONE
     for svg, words in one.pictures:
         assert svg.startswith("<svg") and words.endswith(".")

@@ -10,7 +10,7 @@ import pvlib_fem as fem
 from pvlib_fem import datasets
 from pvlib_fem._findings import Finding, Verdict
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._report.formatting import spanned
+from pvlib_fem._report.formatting import range_text
 from pvlib_fem._stored import Stored, as_json
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
@@ -70,8 +70,8 @@ def test_what_is_not_in_the_model_has_no_range(loop):
 
 def test_it_is_printed_and_in_the_page_and_comes_back_from_a_file(loop, tmp_path):
     ends = first(loop)[1]
-    assert f"(range {spanned(*ends)})" in " ".join(loop.report().split())
-    assert spanned(*ends) in loop.to_html()
+    assert f"(range {range_text(*ends)})" in " ".join(loop.report().split())
+    assert range_text(*ends) in loop.to_html()
     again = fem.Loop.from_json(_written(loop, tmp_path))
     assert [f.ranges for f in again.finding_objects] == [
         f.ranges for f in loop.finding_objects
@@ -102,7 +102,7 @@ def test_a_range_that_is_none_is_refused(loop, ends):
     ],
 )
 def test_ends_are_told_to_two_digits_of_half_their_distance(low, high, words):
-    assert spanned(low, high) == words
+    assert range_text(low, high) == words
 
 
 def series(seed, days=12, rows=20):
