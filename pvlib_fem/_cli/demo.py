@@ -12,7 +12,7 @@ from pvlib_fem._cli.run_methods import loop_of_frame
 from pvlib_fem._findings import Kind, Verdict
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.loop_result import Loop
-from pvlib_fem._loop.progress import line
+from pvlib_fem._loop.progress import progress_line
 from pvlib_fem.drivers._record_site import site_of
 
 HIDDEN = ("sky_radiation", "wind_direction", "electrical_output")
@@ -66,7 +66,7 @@ def demo_site(days: int, step: float, seed: int) -> Loop:
         "effects that the loop is not told of\n"
     )
     site = simulator.RHINE
-    with line() as bar:
+    with progress_line() as bar:
         bar.set_description_str("simulating")
         effects = simulator.PHYSICS | dict.fromkeys(HIDDEN, 1.0)
         data = simulator.record(site, effects, days, step, seed)
@@ -132,7 +132,7 @@ def demo_week() -> None:
 def measured_record(name: str, what: str) -> pd.DataFrame | None:
     """A measured record, or None after the reason why it cannot be had."""
     try:
-        with line() as bar:
+        with progress_line() as bar:
             bar.set_description_str(f"looking for {what}")
             return datasets.load(name)
     except (OSError, ValueError, ImportError) as error:

@@ -21,10 +21,10 @@ from pvlib_fem._loop.ranking_table import Ranking, table_of
 from pvlib_fem._loop.refits import Step
 from pvlib_fem._loop.repeated_patterns import (
     pattern_findings,
-    repeated,
+    repeated_tables,
     with_patterns,
 )
-from pvlib_fem._loop.weeks import Part, named
+from pvlib_fem._loop.weeks import Part, part_names
 from pvlib_fem._record.column_names import DAYLIGHT
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem.drivers._mounts import without_rows
@@ -39,7 +39,7 @@ SCORES = [
 ]
 
 
-def outcome(search: "Search", last: Step, base: str) -> Loop:
+def loop_of_search(search: "Search", last: Step, base: str) -> Loop:
     """
     All that was found, as a finished thing.
 
@@ -61,7 +61,7 @@ def outcome(search: "Search", last: Step, base: str) -> Loop:
     record = case.placed_for(case.whole, last.model.drivers)
     at_bound, daily = last.at_bound, search.fits.daily(last)
     stderr = standard_errors(last.model, daily, at_bound, notes)
-    tables = repeatable(search, last)
+    tables = repeatable_tables(search, last)
     patterns = tuple(Pattern.from_table(table, record.index) for table in tables)
     steps = dict(search.steps)
     if patterns and case.enough:
@@ -107,7 +107,7 @@ def outcome(search: "Search", last: Step, base: str) -> Loop:
         notes=case.notes,
         place=without_rows(case.place),
         residual_before=before.rename("residual"),
-        weeks=pd.Series(named(case.parts), record.index, name="weeks"),
+        weeks=pd.Series(part_names(case.parts), record.index, name="weeks"),
         plain=(raw.model, raw.coefficients),
         criteria=case.criteria,
         weighed=search.last is not None,
@@ -119,11 +119,11 @@ def outcome(search: "Search", last: Step, base: str) -> Loop:
     )
 
 
-def repeatable(search: "Search", last: Step) -> list[Table]:
+def repeatable_tables(search: "Search", last: Step) -> list[Table]:
     """Tables of the residual of the last step, where there are enough days."""
     if search.last is None or (search.findings and not search.case.enough):
         return []
-    return repeated(search.fits, last, search.last.selection.least)
+    return repeated_tables(search.fits, last, search.last.selection.least)
 
 
 def rank_remaining(

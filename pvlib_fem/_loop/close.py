@@ -12,8 +12,8 @@ from pvlib.pvsystem import AbstractMount
 from pvlib_fem._findings import CORRECTED, Check, Correction, Finding
 from pvlib_fem._fitting.parquet_fit import in_files
 from pvlib_fem._fitting.stand_ins import stand_in_names
-from pvlib_fem._loop.assemble import outcome
-from pvlib_fem._loop.conclude import finding_of, refused
+from pvlib_fem._loop.assemble import loop_of_search
+from pvlib_fem._loop.conclude import as_hint, finding_of
 from pvlib_fem._loop.correct_clock import module_clock
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
@@ -26,10 +26,10 @@ from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.noise import with_outside
 from pvlib_fem._loop.parquet_loop import OwnSteps, in_means, on_days
 from pvlib_fem._loop.planes import with_given
-from pvlib_fem._loop.prepare import another_plane, is_before_the_sun, prepared
-from pvlib_fem._loop.progress import reporting
-from pvlib_fem._loop.references import apart, cross_checks, log_likelihoods
-from pvlib_fem._loop.refit_checks import bounds
+from pvlib_fem._loop.prepare import another_plane, is_before_the_sun, prepared_case
+from pvlib_fem._loop.progress import stage_reporter
+from pvlib_fem._loop.references import cross_checks, daily_deviations, log_likelihoods
+from pvlib_fem._loop.refit_checks import check_of_bounds
 from pvlib_fem._loop.refits import Fits, Step
 from pvlib_fem._loop.replacements import Replacements
 from pvlib_fem._loop.selection import Choice, Selection, selected
@@ -203,10 +203,10 @@ def close_loop(
     calm = not steady_model(model).takes_wind
     if transposition or stand_ins or calm:
         how["instead"] = Replacements.of_arguments(transposition, stand_ins, calm)
-    return searched(data, model, place, progress, **how)[1]
+    return finished_search(data, model, place, progress, **how)[1]
 
 
-def searched(
+def finished_search(
     data: pd.DataFrame | ParquetRecord | FilePath,
     model: str,
     place: dict[str, Any],
@@ -232,7 +232,7 @@ def searched(
     given = {n: written_argument(value) for n, value in arguments_of(how).items()}
     # LAPACK's last bits depend on the number of threads, and its matrices here are
     # small
-    with one_blas_thread(), reporting(progress) as report:
+    with one_blas_thread(), stage_reporter(progress) as report:
         own: OwnSteps | None = None
         replaced: dict[str, Any] = {}
         steady = steady_model(model)
@@ -260,7 +260,7 @@ def searched(
         spared: list[int] = []
         while True:
             report("checking the record")
-            case = prepared(frame, site, **how, spared=spared)
+            case = prepared_case(frame, site, **how, spared=spared)
             search = Search(Fits(case), report, own=own)
             last, base = search.run(steady)
             more = edge_weeks(search.case, last.model.effects, len(spared))
@@ -268,7 +268,7 @@ def searched(
                 break
             spared = sorted({*spared, *more.tolist()})
         report("measuring the errors of the test weeks")
-        loop = outcome(search, last, base)
+        loop = loop_of_search(search, last, base)
         if own is not None:
             loop = own.confirmed(loop)
     case = search.case
@@ -376,7 +376,7 @@ class Search:
                 return last, base
             finding, check, why = against
             self.closed |= {finding.effect}
-            self.refused.append(refused(finding, check, why))
+            self.refused.append(as_hint(finding, check, why))
 
     def with_usual(self, step: Step) -> Step:
         """The step with what every module has, and with effects that are held."""
@@ -479,7 +479,7 @@ class Search:
         self.findings, self.choices = [], {}
         self.refused = [f for f in self.refused if f.effect in self.closed]
         changes = any(is_dated(one.top.effect) for one in this.choices)
-        references = apart(case) if changes else []
+        references = daily_deviations(case) if changes else []
         chosen = [one for one in this.choices if one.top.name not in self.closed]
         step = plain
         for i, one in enumerate(selection.with_members(chosen)):
@@ -500,9 +500,9 @@ class Search:
                 continue
             model = replace(step.model, effects=(*step.model.effects, effect))
             fit = self.fits.fitted(model, step, finding.coefficients, whole=False)
-            check, why = bounds(finding.coefficients, fit)
+            check, why = check_of_bounds(finding.coefficients, fit)
             if not check.passed:
-                self.refused.append(refused(finding, check, why))
+                self.refused.append(as_hint(finding, check, why))
                 continue
             step = self.steps[f"+{finding.effect}"] = fit
             self.findings.append(finding)

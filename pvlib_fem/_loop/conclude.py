@@ -205,7 +205,7 @@ def relative_error(effect: Effect, criteria: Criteria) -> float:
     return criteria.shape_error if effect.confounder else criteria.law_error
 
 
-def refused(finding: Finding, check: Check, why: Because) -> Finding:
+def as_hint(finding: Finding, check: Check, why: Because) -> Finding:
     """
     The finding as a hint, where it does not pass a check after all.
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pvlib_fem._findings import Check, Correction
-from pvlib_fem._loop.refit_checks import rise, rise_check
+from pvlib_fem._loop.refit_checks import rise_check, rise_of_error
 from pvlib_fem.quality._module_lag import Clock, error_with_step
 from pvlib_fem.reasons import Reason, because
 
@@ -44,15 +44,17 @@ def module_clock(
     both = np.isfinite(raw.temperature + step.temperature)
     both &= np.isfinite(raw.measured + step.measured)
     before, after = (s.error(rows & both) for s in (raw, step))
-    check, _ = rise_check(*rise(case, raw, step))
-    correction = described(case.clock, before, after, check)
+    check, _ = rise_check(*rise_of_error(case, raw, step))
+    correction = clock_correction(case.clock, before, after, check)
     if check.passed:
         return other, step, correction
     untouched = replace(case, clock=Clock())
     return fits_of(untouched), raw, correction
 
 
-def described(clock: Clock, before: float, after: float, check: Check) -> Correction:
+def clock_correction(
+    clock: Clock, before: float, after: float, check: Check
+) -> Correction:
     """The correction, in the units of a clock."""
     values: dict[str, float] = {}
     stderr: dict[str, float] = {}

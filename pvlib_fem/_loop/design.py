@@ -182,7 +182,7 @@ class Design:
             days=evidence.dates[first],
             base=tuple(order[name] for name in base),
             own={
-                n: independent(cells, rows, [order[c] for c in names])
+                n: independent_columns(cells, rows, [order[c] for c in names])
                 for n, names in own.items()
             },
             effects=effects,
@@ -542,7 +542,7 @@ class Design:
         )
 
 
-def independent(
+def independent_columns(
     cells: np.ndarray, rows: np.ndarray, places: Iterable[int]
 ) -> tuple[int, ...]:
     """Drop columns of an effect that are sums of its others, as in one hour of snow."""

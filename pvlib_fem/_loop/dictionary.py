@@ -100,7 +100,7 @@ def without_dates(design: "Design", prior: float) -> Iterator[Candidate]:
         yield Candidate(design.effects[name], columns, float(odds))
 
 
-def dated(
+def dated_candidates(
     design: "Design", given: Sequence[Column], side: int, prior: float
 ) -> Iterator[Candidate]:
     """
@@ -132,7 +132,7 @@ def dated(
         }
         if not changes:
             continue
-        for time_profile, dates in scan.along(place, *signs(changes)).items():
+        for time_profile, dates in scan.along(place, *possible_signs(changes)).items():
             if time_profile not in changes:
                 continue
             effect = changes[time_profile].dates(**dates)
@@ -146,7 +146,7 @@ def dated(
             )
 
 
-def signs(changes: Mapping[str, Effect]) -> tuple[float, float]:
+def possible_signs(changes: Mapping[str, Effect]) -> tuple[float, float]:
     """Least and largest size that a sensor fault can have, as signs."""
     (row,) = next(iter(changes.values())).parameters.values()
     return np.sign(row.lower), np.sign(row.upper)
@@ -166,7 +166,7 @@ class Scan:
     @classmethod
     def from_design(cls, design: "Design", given: Sequence[Column], side: int) -> Self:
         columns = [*given]
-        whole, trust = design.whole(columns), trusted(design, columns)
+        whole, trust = design.whole(columns), day_weights(design, columns)
         inverse = np.linalg.inv(np.linalg.cholesky(with_ridge(whole[1:, 1:])))
         return cls(design, columns, side, coefficients_from(whole), inverse.T, trust)
 
@@ -301,7 +301,7 @@ def first_days(
     return effect.make(**{**dates, "between": between})
 
 
-def trusted(design: "Design", given: Sequence[Column]) -> np.ndarray:
+def day_weights(design: "Design", given: Sequence[Column]) -> np.ndarray:
     """Weight of each day: less where the residual of some columns is large."""
     rest = design.residual_given(given)
     squares = np.add.reduceat(rest**2 * design.rows, design.first)

@@ -129,7 +129,7 @@ class Case:
         moved = by_module_logger(
             whole.inputs.columns, lambda column: self.clock.corrected(seconds, column)
         )
-        return divided(whole.having(moved), replace(self, clock=Clock()))
+        return divided_case(whole.having(moved), replace(self, clock=Clock()))
 
 
 def without_answer(record: Record, rows: np.ndarray) -> Record:
@@ -150,7 +150,7 @@ def without_answer(record: Record, rows: np.ndarray) -> Record:
     return record.lacking({"temp_module": rows})
 
 
-def counting(record: Record) -> np.ndarray:
+def countable_rows(record: Record) -> np.ndarray:
     """
     Mask of the rows that can be fitted.
 
@@ -167,7 +167,7 @@ def counting(record: Record) -> np.ndarray:
     return np.asarray(counted(record.inputs.columns, with_night=True))
 
 
-def divided(whole: Record, case: Case) -> Case:
+def divided_case(whole: Record, case: Case) -> Case:
     """
     The case with this record and its coarse steps.
 
@@ -183,7 +183,7 @@ def divided(whole: Record, case: Case) -> Case:
     Case
     """
     limits = case.criteria
-    seen = case.seen & counting(whole)
+    seen = case.seen & countable_rows(whole)
     short = whole
     if whole.inputs.seconds[-1] > 0:
         hidden = without_answer(whole, case.parts == Part.TEST)

@@ -69,21 +69,21 @@ def leaks(
         return
     measured = np.where(both, record["temp_module"], np.nan)
     scale = np.mean(measured[both]), max(np.std(measured[both]), 1e-300)
-    whole = forms(record, measured, rows, *scale)
-    model = forms(record, np.where(both, modelled, np.nan), rows, *scale)
-    usual, dates = functions(record, rows), record.dates[rows]
+    whole = temperature_forms(record, measured, rows, *scale)
+    model = temperature_forms(record, np.where(both, modelled, np.nan), rows, *scale)
+    usual, dates = input_functions(record, rows), record.dates[rows]
     # electrical power falls with temperature by irradiance, and may still be a cause
     power = record["poa_global"][rows] * record["temp_module"][rows]
     usual = np.column_stack([usual, power])
     for name in names:
         column = record[name]
-        some = (np.isfinite(column) & ~asleep(column, record["poa_global"]))[rows]
+        some = (np.isfinite(column) & ~resting_rows(column, record["poa_global"]))[rows]
         parts = (part[some] for part in (usual, whole, model, dates))
         if is_one_piece(column[rows][some], *parts, most=criteria.min_leak_difference):
             yield name
 
 
-def forms(
+def temperature_forms(
     record: Record,
     temperature: np.ndarray,
     rows: np.ndarray,
@@ -102,7 +102,7 @@ def forms(
     return np.column_stack([*columns, now[rows] ** 2, now[rows] ** 3])
 
 
-def functions(record: Record, rows: np.ndarray) -> np.ndarray:
+def input_functions(record: Record, rows: np.ndarray) -> np.ndarray:
     """Smooth functions of each usual input at some rows, now and smoothed in time."""
     inputs, columns = record.inputs, [np.ones(len(rows))]
     for name in COLUMNS[:3]:
@@ -123,7 +123,7 @@ def splines(values: np.ndarray) -> list[np.ndarray]:
     return [values, values**2, *(np.maximum(values - k, 0.0) ** 2 for k in knots)]
 
 
-def asleep(column: np.ndarray, poa_global: np.ndarray) -> np.ndarray:
+def resting_rows(column: np.ndarray, poa_global: np.ndarray) -> np.ndarray:
     """
     Rows of a column at its most frequent value through a night, as a voltage of 0.
 
@@ -163,7 +163,7 @@ def is_one_piece(
         return False
     column = (column - column.mean()) / column.std()
     table = np.column_stack([column, model, whole - model])
-    table -= usual @ coefficients(usual, table)
+    table -= usual @ least_squares_coefficients(usual, table)
     column, model, rest = np.split(table, [1, 1 + model.shape[1]], axis=1)
     folds = days_of_folds(dates)
     by_model, by_rest, by_whole, by_parts = (
@@ -178,7 +178,7 @@ def is_one_piece(
     )
 
 
-def coefficients(columns: np.ndarray, table: np.ndarray) -> np.ndarray:
+def least_squares_coefficients(columns: np.ndarray, table: np.ndarray) -> np.ndarray:
     """Coefficients of a least-squares fit of each column of a table."""
     products = columns.T @ columns
     size = np.sqrt(np.diag(products))
@@ -192,7 +192,7 @@ def held_out(column: np.ndarray, others: np.ndarray, folds: np.ndarray) -> np.nd
     squares = np.empty(len(column))
     for fold in range(FOLDS):
         out = folds == fold
-        sizes = coefficients(others[~out], column[~out, None])
+        sizes = least_squares_coefficients(others[~out], column[~out, None])
         squares[out] = (column[out] - (others[out] @ sizes)[:, 0]) ** 2
     return squares
 

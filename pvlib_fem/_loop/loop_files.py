@@ -76,7 +76,7 @@ def loop_content(loop: "Loop", cell: dict[str, float]) -> dict[str, Any]:
         "episodes": episode_rows(loop.episodes),
         "events": event_rows(loop.events),
         "notes": loop.notes,
-        "place": placed(loop.place),
+        "place": place_content(loop.place),
         "weeks": loop.week_rows,
         "plain": content_of(*loop.plain),
         "criteria": loop.criteria,
@@ -173,7 +173,7 @@ def energies_in(content: Stored) -> dict[str, float]:
     }
 
 
-def placed(place: dict[str, Any]) -> dict[str, Any]:
+def place_content(place: dict[str, Any]) -> dict[str, Any]:
     """A place for a file."""
     where = place["location"]
     if where is not None:

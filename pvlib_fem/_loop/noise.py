@@ -104,8 +104,8 @@ def with_outside(
         weight = choice.weights[name] * times[name]
         prior = prior_of(one.effect, criteria.outside_probability)
         own = design.fit_for([one.effect])
-        sizes = shares(own, one, given)
-        rest = misfits(own, one, given, choice.fall)
+        sizes = remaining_shares(own, one, given)
+        rest = law_misfits(own, one, given, choice.fall)
         inside, beyond = likelihoods(sizes, rest, criteria.law_error)
         mine[name] = weight * (1.0 - prior.odds) * inside
         unknown = prior.alike * inside + (1.0 - prior.alike) * beyond
@@ -118,21 +118,24 @@ def with_outside(
     return replace(choice, probabilities=probabilities)
 
 
-def shares(
+def remaining_shares(
     design: "Design", one: "Candidate", given: Sequence["Column"]
 ) -> list[tuple[float, float]]:
     """Share of its size that remains under other conditions, with its error."""
     own = one.beyond(given)
     plain = LeastSquares(design.by_week([*given, *own]), len(own))
-    others = [within(design, given, own, t) for t in tables(design, one.effect)]
+    others = [
+        products_within_cells(design, given, own, t)
+        for t in cell_groups(design, one.effect)
+    ]
     if one.effect.sensor_fault in OF_NO_COEFFICIENT:
         # what the instrument has had all the time is no change
         others.append(design.by_week([*given, one.change.place, *own]))
-    every = (kept(plain, LeastSquares(other, len(own))) for other in others)
+    every = (remaining_share(plain, LeastSquares(other, len(own))) for other in others)
     return [share for share in every if share is not None]
 
 
-def misfits(
+def law_misfits(
     design: "Design", one: "Candidate", given: Sequence["Column"], fall: float
 ) -> list[float]:
     """
@@ -247,7 +250,7 @@ def density(distance: float, width: float) -> float:
     return max(float(np.exp(-0.5 * (distance / width) ** 2) / width), TINY)
 
 
-def within(
+def products_within_cells(
     design: "Design",
     given: Sequence["Column"],
     own: Sequence["Column"],
@@ -285,7 +288,9 @@ def within(
     return products(values, design.rows, starts)
 
 
-def kept(plain: LeastSquares, other: LeastSquares) -> tuple[float, float] | None:
+def remaining_share(
+    plain: LeastSquares, other: LeastSquares
+) -> tuple[float, float] | None:
     """Share of its size that remains in another fit, and its error."""
     size = plain.size
     before, after = (np.diag(one.whole)[-size:] for one in (plain, other))
@@ -303,17 +308,17 @@ def kept(plain: LeastSquares, other: LeastSquares) -> tuple[float, float] | None
     return share, float(error)
 
 
-def tables(design: "Design", effect: Effect) -> Iterator[np.ndarray]:
+def cell_groups(design: "Design", effect: Effect) -> Iterator[np.ndarray]:
     """Group of each cell, by each table of unknown structure that an effect meets."""
     axes = {axis.name: axis for axis in design.axes}
     for kind in usual_tables(axes):
-        yield numbered(cell_numbers(kind)[0])
+        yield renumbered_groups(cell_numbers(kind)[0])
     if not effect.sensor_fault and design.has_weeks:
         yield design.weeks
     skip = {*USUAL, *effect.drivers, *needed_for(effect.drivers), *CLOCK, *GEOMETRY}
     for name, axis in axes.items():
         if axis.column not in skip and name not in skip:
-            yield numbered(cell_numbers((axis, axes["hour"]))[0])
+            yield renumbered_groups(cell_numbers((axis, axes["hour"]))[0])
 
 
 def usual_tables(axes: Mapping[str, Axis]) -> list[tuple[Axis, ...]]:
@@ -355,6 +360,6 @@ def random_effects(
     return tuple(tables)
 
 
-def numbered(groups: np.ndarray) -> np.ndarray:
+def renumbered_groups(groups: np.ndarray) -> np.ndarray:
     """The groups numbered without those that do not occur."""
     return np.unique(groups, return_inverse=True)[1]

@@ -13,7 +13,7 @@ from pvlib_fem._fitting.parquet_fit import FileFit, fit_in_files, given_days
 from pvlib_fem._fitting.parquet_rows import first_pass
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.divided_record import STEP_PRESENT, Case
-from pvlib_fem._loop.refit_checks import bounds, certainty
+from pvlib_fem._loop.refit_checks import check_of_bounds, check_of_certainty
 from pvlib_fem._loop.weeks import Part
 from pvlib_fem._record.checks import dates_of
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, ROTATION
@@ -131,7 +131,7 @@ class OwnSteps:
         -------
         tuple of Finding, Check, Because, or None
         """
-        self.fit, self.why = None, impossible(step.model, corrected)
+        self.fit, self.why = None, why_impossible(step.model, corrected)
         if self.why or self.screened.look.step == case.whole.inputs.step:
             return None
         self.fit = self.fitted(case, step.model, inputs)
@@ -218,7 +218,7 @@ class Turning:
         return angles
 
 
-def impossible(model: ThermalModel, corrected: bool) -> str:
+def why_impossible(model: ThermalModel, corrected: bool) -> str:
     """Why a model of means cannot be fitted to the own steps; "" if it can."""
     if corrected:
         return "its own steps are not fitted, since a clock was corrected"
@@ -248,8 +248,8 @@ def own_checks(
     ------
     Check, Because
     """
-    yield bounds(finding.coefficients, fit)
-    yield certainty(finding, fit.coefficients, fit.stderr)
+    yield check_of_bounds(finding.coefficients, fit)
+    yield check_of_certainty(finding, fit.coefficients, fit.stderr)
     stages = list(fit.scores.index)
     at = stages.index(f"+ {finding.effect}")
     before, after = stages[at - 1], stages[at]

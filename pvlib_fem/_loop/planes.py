@@ -73,7 +73,7 @@ def plane_of_columns(
         refuse_other(name, values, site[name])
     if not known:
         return data, site
-    if moves(known):
+    if is_moving(known):
         columns = {name: column.to_numpy() for name, column in columns.items()}
         # a record without times is refused where its columns are read
         mount = ByColumns(cast(pd.DatetimeIndex, data.index), columns)
@@ -201,7 +201,7 @@ def is_same(name: str, value: Any, known: Any) -> bool:
         return value is known
     if name in ANGLES:
         values = np.asarray(pd.Series(value).astype(float))
-        apart = np.abs(turned(name, values - known))
+        apart = np.abs(angle_differences(name, values - known))
         return not (apart > FIXED).any()
     if name == "location":
         ends = [(one.latitude, one.longitude) for one in (value, known)]
@@ -213,7 +213,7 @@ def refuse_other(name: str, values: np.ndarray, given: float | None) -> None:
     """Refuse a column that has other angles than the one that is given."""
     if given is None:
         return
-    apart = np.abs(turned(name, values - given))
+    apart = np.abs(angle_differences(name, values - given))
     if apart.max() <= FIXED:
         return
     raise ValueError(
@@ -223,16 +223,19 @@ def refuse_other(name: str, values: np.ndarray, given: float | None) -> None:
     )
 
 
-def turned(name: str, angles: np.ndarray) -> np.ndarray:
+def angle_differences(name: str, angles: np.ndarray) -> np.ndarray:
     """Differences of angles; those of an azimuth within half a turn."""
     return (angles + 180.0) % 360.0 - 180.0 if name == AZIMUTH else angles
 
 
-def moves(known: dict[str, np.ndarray]) -> bool:
+def is_moving(known: dict[str, np.ndarray]) -> bool:
     """Whether a plane moves."""
     for name, values in known.items():
         level = name == AZIMUTH and TILT in known and known[TILT].max() <= FIXED
-        if np.abs(turned(name, values - values[0])).max() > FIXED and not level:
+        if (
+            np.abs(angle_differences(name, values - values[0])).max() > FIXED
+            and not level
+        ):
             return True
     return False
 

@@ -12,10 +12,15 @@ from pvlib.location import Location
 from pvlib_fem._findings import Check, Correction
 from pvlib_fem._fitting.horizontal import refuse_clock
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.divided_record import Case, counting, divided, without_answer
+from pvlib_fem._loop.divided_record import (
+    Case,
+    countable_rows,
+    divided_case,
+    without_answer,
+)
 from pvlib_fem._loop.planes import plane_of_columns, standings_in, with_standings
 from pvlib_fem._loop.replacements import Filled, Replacements
-from pvlib_fem._loop.weeks import Part, fitted_weeks, parts
+from pvlib_fem._loop.weeks import Part, fitted_weeks, parts_of_rows
 from pvlib_fem._record.column_names import (
     ALWAYS,
     COLUMNS,
@@ -80,7 +85,7 @@ class Look:
         return self.whole["poa_global"] if horizontal is None else horizontal
 
 
-def prepared(
+def prepared_case(
     data: pd.DataFrame,
     site: dict[str, Any],
     holdout: pd.Series | None,
@@ -115,7 +120,7 @@ def prepared(
         If the record is unusable: times, columns, units.
     """
     look_at = partial(
-        looked,
+        screened_frame,
         site=site,
         criteria=criteria,
         check_units=check_units,
@@ -129,7 +134,7 @@ def prepared(
     if "file_shift" in faults:
         late = look.health.noon.late
         zone = zone_of_the_sun(look.whole.index, late, site["location"])
-        corrections += (shifted(faults["file_shift"], late, zone),)
+        corrections += (uncorrected_shift(faults["file_shift"], late, zone),)
     off, refused = {*OFF_THE_SUN} & {*faults}, look.refused
     if look.filled.horizontal is not None:
         refuse_clock({name: faults[name] for name in off})
@@ -138,7 +143,7 @@ def prepared(
         why = because(Reason.ANOTHER_PLANE, plane=shape.format(*light))
         site = site | dict.fromkeys(PLANE)
         refused = refused | dict.fromkeys(ANGLES, why)
-    plane = None if off or site is not look.site else estimated(look, site)
+    plane = None if off or site is not look.site else estimated_plane(look, site)
     if plane is not None:
         site = site | plane.angles
     sun = geometry(look.whole.index[:1], **site)  # what of it is known
@@ -156,7 +161,7 @@ def prepared(
         scans = filter(is_before_the_sun, wanted)
         untestable |= {e.name: because(Reason.ESTIMATED) for e in scans}
         wanted = [effect for effect in wanted if effect.name not in untestable]
-    whole, seen = used(look, sun)
+    whole, seen = used_record(look, sun)
     case = Case(
         whole=whole,
         record=whole,
@@ -189,7 +194,7 @@ def prepared(
         standing=look.filled.standing,
         standings=standings,
     )
-    return divided(whole, case)
+    return divided_case(whole, case)
 
 
 def fixed_light(look: Look, site: dict[str, Any]) -> tuple[float, float] | None:
@@ -205,7 +210,7 @@ def fixed_light(look: Look, site: dict[str, Any]) -> tuple[float, float] | None:
     return fixed_rather(stated, look.whole["poa_global"], index, site["location"], late)
 
 
-def estimated(look: Look, site: dict[str, Any]) -> Plane | None:
+def estimated_plane(look: Look, site: dict[str, Any]) -> Plane | None:
     """The module's plane by the light of clear days, where neither angle is given."""
     given = [value for name, value in site.items() if name != "location"]
     if site["location"] is None or any(value is not None for value in given):
@@ -259,7 +264,7 @@ def late_of(look: Look) -> float:
     return late if np.isfinite(late) else 0.0
 
 
-def looked(
+def screened_frame(
     data: pd.DataFrame,
     holdout: pd.Series | None,
     site: dict[str, Any],
@@ -280,7 +285,7 @@ def looked(
     columns = dict(filled.columns)
     usual = as_record(*(columns.pop(name, None) for name in COLUMNS))
     refuse_stray(usual.index, limits)
-    purposes = parts(usual, counting(usual), holdout, criteria, spared)
+    purposes = parts_of_rows(usual, countable_rows(usual), holdout, criteria, spared)
     test = purposes == Part.TEST
     hidden, faults = screened_alone(
         with_columns(without_answer(usual, test), numeric(columns)),
@@ -361,7 +366,7 @@ def in_standard_time(
     return replace(look, kept=np.asarray(summer.kept)), (jumps_correction(summer),)
 
 
-def used(look: Look, sun: Collection[str]) -> tuple[Record, np.ndarray]:
+def used_record(look: Look, sun: Collection[str]) -> tuple[Record, np.ndarray]:
     """The record of what is used, without the sun, and the rows that may count."""
     stands, whole = look.health.mask | look.still, look.whole
     others = {*look.refused, *sun}  # of which the second is added where it is needed
@@ -391,7 +396,7 @@ def notes_of(
     reported |= {fault for one in corrections for fault in one.fault.split("+")}
     yield from (line for name, line in health.faults.items() if name not in reported)
     yield from health.unchecked
-    yield from twins(look, criteria.limits)
+    yield from twin_clock_lines(look, criteria.limits)
     yield from of_the_zone(look.whole.index, site["location"])
     if health.clock.limit > UNSEEN_CLOCK and not health.clock.fault:
         minutes = health.clock.limit / 60.0
@@ -410,10 +415,10 @@ def notes_of(
             f"drive{'s' * alone} nothing"
         )
     yield from doubts_of_power(look.whole, criteria.max_missing_share)
-    yield from gaps(look.whole, look.drivers, wanted)
+    yield from gap_lines(look.whole, look.drivers, wanted)
 
 
-def twins(look: Look, limits: Limits) -> Iterator[str]:
+def twin_clock_lines(look: Look, limits: Limits) -> Iterator[str]:
     """Further irradiances whose clock is another than that of poa_global."""
     whole = look.whole
     for name in (*look.drivers, *look.cross_check_columns):
@@ -477,7 +482,7 @@ def with_answer(
     return whole, np.any(list(still.values()), axis=0), faults, health
 
 
-def gaps(
+def gap_lines(
     record: Record, drivers: Iterable[str], wanted: Sequence[Effect]
 ) -> Iterator[str]:
     """Rows that do not count for effects because a driver is missing, a line each."""
@@ -541,7 +546,7 @@ def zone_of_the_sun(index: pd.DatetimeIndex, late: float, location: Location) ->
     return f"Etc/GMT{-whole:+d}"  # this zone's sign is reversed
 
 
-def shifted(fault: str, late: float, zone: str = "") -> Correction:
+def uncorrected_shift(fault: str, late: float, zone: str = "") -> Correction:
     """The report on a file whose times do not fit the sun; it is not corrected."""
     fits = f" (the sun fits {zone})" if zone else ""
     remedy = (

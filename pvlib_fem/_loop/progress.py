@@ -9,7 +9,7 @@ from tqdm import tqdm
 LOG = logging.getLogger("pvlib_fem")
 
 
-def line(disable: bool | None = None) -> tqdm:
+def progress_line(disable: bool | None = None) -> tqdm:
     """
     One line on a terminal, which goes away; nothing elsewhere unless requested.
 
@@ -32,7 +32,7 @@ def line(disable: bool | None = None) -> tqdm:
 
 
 @contextmanager
-def reporting(
+def stage_reporter(
     progress: Callable[[str], object] | bool | None = None,
 ) -> Iterator[Callable[[str], None]]:
     """
@@ -51,7 +51,7 @@ def reporting(
     with ExitStack() as stack:
         show = None if progress is True else progress or None
         if progress is True:
-            show = stack.enter_context(line(disable=False)).set_description_str
+            show = stack.enter_context(progress_line(disable=False)).set_description_str
 
         def report(words: str) -> None:
             LOG.info(words)
@@ -62,7 +62,7 @@ def reporting(
 
 
 @contextmanager
-def counting(
+def item_counter(
     whole: int, done: int = 0, shown: bool | None = True, words: str | None = None
 ) -> Iterator[Callable[[str], None]]:
     """

@@ -17,7 +17,7 @@ from pvlib_fem._loop.dictionary import Candidate, Column
 from pvlib_fem._loop.planes import plane_of_columns, with_given
 from pvlib_fem._loop.ranking_table import Ranking, table_of
 from pvlib_fem._loop.selection import Score, Selection, rows_of, size_seen
-from pvlib_fem._loop.tangents import Evidence, gather
+from pvlib_fem._loop.tangents import Evidence, gather_evidence
 from pvlib_fem._record.column_names import (
     COLUMNS as USUAL,
     GEOMETRY,
@@ -106,7 +106,7 @@ def ranked(
     for one in selection.candidates(given, taken):
         squares = design.whole([*given, *one.columns])
         size = len(one.columns)
-        own, remainder = np.diag(squares)[-size:], beyond(squares, size)
+        own, remainder = np.diag(squares)[-size:], squares_given_others(squares, size)
         if not (own > 0).all():
             failed[one.name] = because(Reason.ADDS_NOTHING)
         elif (remainder < UNSEEN * own).any():
@@ -125,20 +125,22 @@ def ranked(
         statistic = score.seen @ np.linalg.solve(null, score.seen)
         scale = design.scales(one.columns)
         errors = np.sqrt(np.diag(null)) * scale * np.sqrt(remainder)
-        detectable = needed(one, design, score) * float(errors.max())
+        detectable = errors_needed(one, design, score) * float(errors.max())
         rows[one.name] = Row(
             one.effect,
             score,
             float(fdtrc(size, score.freedom, max(statistic / size, 0.0))),
             float(detectable),
             evidence.known.get(one.name, len(evidence.rows)),
-            ties(selection, one, tied, given, score),
-            hindrance(one.effect, score, evidence, days, selection.criteria.min_days),
+            equal_candidates(selection, one, tied, given, score),
+            reason_against(
+                one.effect, score, evidence, days, selection.criteria.min_days
+            ),
         )
     return rows, failed
 
 
-def beyond(squares: np.ndarray, size: int) -> np.ndarray:
+def squares_given_others(squares: np.ndarray, size: int) -> np.ndarray:
     """
     Squares of the last columns given the others.
 
@@ -161,7 +163,7 @@ def beyond(squares: np.ndarray, size: int) -> np.ndarray:
     return np.diag(squares)[-size:] - (taken * np.linalg.solve(normal, taken)).sum(0)
 
 
-def needed(one: Candidate, design: Design, score: Score) -> float:
+def errors_needed(one: Candidate, design: Design, score: Score) -> float:
     """Standard errors that its size needs to be seen, with the stated power."""
     rows = rows_of(one, design)
     way = np.sqrt(np.diag(score.null) / len(rows))
@@ -169,7 +171,7 @@ def needed(one: Candidate, design: Design, score: Score) -> float:
     return min(least, LARGEST) + float(stdtrit(score.freedom, POWER))
 
 
-def ties(
+def equal_candidates(
     selection: Selection,
     one: Candidate,
     others: Sequence[Candidate],
@@ -193,7 +195,7 @@ def ties(
     return tuple(names)
 
 
-def hindrance(
+def reason_against(
     effect: Effect, score: Score, evidence: Evidence, days: int, least: int
 ) -> Because | None:
     """Why a candidate is no cause, if there is such a reason."""
@@ -332,7 +334,9 @@ def rank_effects(
     else:
         coefficients = {**model.steady_model.fixed, **fit.coefficients}
         bounds, least = fit.at_bound, criteria.min_hint_reduction
-        evidence = gather(model, coefficients, record, seen, testable, bounds, least)
+        evidence = gather_evidence(
+            model, coefficients, record, seen, testable, bounds, least
+        )
         design = Design.from_evidence(evidence, record, drivers=drivers)
         selection = Selection(design, criteria)
         weighed, failed = ranked(selection, evidence, [*design.base], days)

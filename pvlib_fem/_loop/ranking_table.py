@@ -49,7 +49,7 @@ class Ranking(pd.DataFrame):
                 two_decimals(row["gain"]),
                 two_decimals(row["minimum_detectable"]),
                 f"{chance:.1g}" if np.isfinite(chance) else "–",
-                coefficients(str(name), row["coefficients"], row["stderr"]),
+                coefficients_text(str(name), row["coefficients"], row["stderr"]),
                 "; ".join(words),
             )
 
@@ -76,7 +76,7 @@ class Ranking(pd.DataFrame):
         return fragment([table(HEAD, self.lines())])
 
 
-def coefficients(effect: str, values: Any, errors: Any) -> str:
+def coefficients_text(effect: str, values: Any, errors: Any) -> str:
     """Coefficients of an effect in one line."""
     if not isinstance(values, dict):
         return ""

@@ -143,34 +143,42 @@ def paired_with(usual: str) -> Parts:
     return lambda record, values: (values, record[usual])
 
 
-def power(record: ComparedRecord, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def per_irradiance(
+    record: ComparedRecord, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Power at 25 °C, and the irradiance."""
     return values / (1.0 + GAMMA * (record["temp_module"] - 25.0)), record["poa_global"]
 
 
-def warmer(record: ComparedRecord, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def air_difference(
+    record: ComparedRecord, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """How much warmer its air is."""
     return values - record["temp_air"], np.ones(len(values))
 
 
-def warmed(record: ComparedRecord, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def air_by_irradiance(
+    record: ComparedRecord, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """The deviation for each 1000 W/m²."""
     return values - record["temp_air"], record["poa_global"] / 1000.0
 
 
-def over(record: ComparedRecord, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def over_temperatures(
+    record: ComparedRecord, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Over-temperatures of both sensors."""
     return values - record["temp_air"], record["temp_module"] - record["temp_air"]
 
 
-def apart_from(
+def module_difference(
     record: ComparedRecord, values: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """How much more the other sensor of the module reads."""
     return values - record["temp_module"], np.ones(len(values))
 
 
-def logs(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+def log_ratio(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.log(one / other)
 
@@ -193,12 +201,20 @@ CONTACT: dict[str, Shows] = {
 OFFSET: dict[str, Shows] = {"module_offset": lambda change, _: -change}
 
 COMPARISONS = (
-    Comparison(is_power, bright, power, logs, LIGHT | STUCK, ages=True, module=True),
+    Comparison(
+        is_power,
+        bright,
+        per_irradiance,
+        log_ratio,
+        LIGHT | STUCK,
+        ages=True,
+        module=True,
+    ),
     Comparison(
         called(SKY),
         bright,
         paired_with("poa_global"),
-        logs,
+        log_ratio,
         LIGHT,
         wanders=HAZE,
         fewest=FEWEST_CLEAR,
@@ -207,17 +223,25 @@ COMPARISONS = (
         called(USUAL_WIND),
         always,
         paired_with("wind_speed"),
-        logs,
+        log_ratio,
         WIND,
         wanders=WINDINESS,
     ),
-    Comparison(twin("poa_global"), bright, paired_with("poa_global"), logs, LIGHT),
-    Comparison(twin("wind_speed"), windy, paired_with("wind_speed"), logs, WIND),
-    Comparison(twin("temp_air"), dark, warmer, np.divide, AIR, "K"),
-    Comparison(twin("temp_air"), bright, warmed, np.divide, SHELTER, "K"),
-    Comparison(twin("temp_module"), bright, over, logs, CONTACT, module=True),
+    Comparison(twin("poa_global"), bright, paired_with("poa_global"), log_ratio, LIGHT),
+    Comparison(twin("wind_speed"), windy, paired_with("wind_speed"), log_ratio, WIND),
+    Comparison(twin("temp_air"), dark, air_difference, np.divide, AIR, "K"),
+    Comparison(twin("temp_air"), bright, air_by_irradiance, np.divide, SHELTER, "K"),
     Comparison(
-        twin("temp_module"), dark, apart_from, np.divide, OFFSET, "K", module=True
+        twin("temp_module"), bright, over_temperatures, log_ratio, CONTACT, module=True
+    ),
+    Comparison(
+        twin("temp_module"),
+        dark,
+        module_difference,
+        np.divide,
+        OFFSET,
+        "K",
+        module=True,
     ),
 )
 
@@ -304,7 +328,7 @@ class DailyDeviation:
             if len(squares) < 2:
                 continue
             best = min(squares, key=squares.__getitem__)
-            draws = 0.5 * independent(residuals[best], self.days // MONTH)
+            draws = 0.5 * independent_months(residuals[best], self.days // MONTH)
             for name, square in squares.items():
                 yield name, draws * float(np.log(squares[best] / square))
 
@@ -404,7 +428,7 @@ def by_accident(there: np.ndarray, residual: np.ndarray) -> float:
     return float(np.sqrt(np.mean(others**2))) if len(others) else np.inf
 
 
-def independent(values: np.ndarray, months: np.ndarray) -> float:
+def independent_months(values: np.ndarray, months: np.ndarray) -> float:
     """Number of months less what each remembers of the one before."""
     _, place = np.unique(months, return_inverse=True)
     means = np.bincount(place, values) / np.bincount(place)
@@ -438,7 +462,7 @@ def compared_columns(case: "Case") -> dict[str, np.ndarray]:
     return columns
 
 
-def apart(case: "Case") -> list[DailyDeviation]:
+def daily_deviations(case: "Case") -> list[DailyDeviation]:
     """
     All comparisons that a case has enough days for.
 
@@ -457,11 +481,11 @@ def apart(case: "Case") -> list[DailyDeviation]:
         one
         for comparison in COMPARISONS
         for name in filter(comparison.serves, columns)
-        if (one := compared(comparison, case, name, columns[name])) is not None
+        if (one := daily_deviation(comparison, case, name, columns[name])) is not None
     ]
 
 
-def compared(
+def daily_deviation(
     comparison: Comparison, case: ComparedCase, name: str, values: np.ndarray
 ) -> DailyDeviation | None:
     """
@@ -490,7 +514,7 @@ def compared(
         return None
     sums = [np.bincount(place, column[kept]) for column in (one, other)]
     deviation = comparison.differ(sums[0], sums[1])
-    near = usual(deviation)
+    near = usual_days(deviation)
     if near.sum() < comparison.fewest:
         return None
 
@@ -513,7 +537,7 @@ def kind(effect: Effect) -> str:
     return effect.sensor_fault or effect.name
 
 
-def usual(values: np.ndarray) -> np.ndarray:
+def usual_days(values: np.ndarray) -> np.ndarray:
     """
     Days that are near most others, or near those around them.
 

@@ -19,7 +19,9 @@ SURE = 3.0  # of them, that a coefficient has to be from nothing on the own step
 RISE = 1.0  # of them, by which an error may rise
 
 
-def bounds(names: Iterable[str], step: "Step | FemFit") -> tuple[Check, Because]:
+def check_of_bounds(
+    names: Iterable[str], step: "Step | FemFit"
+) -> tuple[Check, Because]:
     """
     The check that none of some coefficients is at a bound, and why it fails.
 
@@ -44,7 +46,7 @@ def bounds(names: Iterable[str], step: "Step | FemFit") -> tuple[Check, Because]
     )
 
 
-def certainty(
+def check_of_certainty(
     finding: Finding, values: Mapping[str, float], stderr: Mapping[str, float]
 ) -> tuple[Check, Because]:
     """
@@ -64,7 +66,7 @@ def certainty(
     Because
         The reason if it fails.
     """
-    sizes = {n: distance(values[n], stderr[n]) for n in finding.coefficients}
+    sizes = {n: errors_from_zero(values[n], stderr[n]) for n in finding.coefficients}
     name = max(sizes, key=sizes.__getitem__)
     size, least = sizes[name], SURE
     return (
@@ -75,7 +77,7 @@ def certainty(
     )
 
 
-def distance(value: float, error: float) -> float:
+def errors_from_zero(value: float, error: float) -> float:
     """Standard errors from nothing; without an error, or held, it is no doubt."""
     return abs(value) / error if error > 0 else np.inf
 
@@ -105,7 +107,7 @@ def rise_check(errors: float, rise: float) -> tuple[Check, Because]:
     )
 
 
-def rise(case: "Case", before: "Step", after: "Step") -> tuple[float, float]:
+def rise_of_error(case: "Case", before: "Step", after: "Step") -> tuple[float, float]:
     """
     By how much the error rises from one step to another, on the fitting weeks.
 

@@ -17,7 +17,7 @@ from pvlib_fem._fitting.search import (
     natural_coefficients,
 )
 from pvlib_fem._loop.divided_record import BASES, Case
-from pvlib_fem._loop.tangents import Evidence, gather
+from pvlib_fem._loop.tangents import Evidence, gather_evidence
 from pvlib_fem._record.inputs import Inputs, Record
 from pvlib_fem._spelling import FIXED, refusal
 from pvlib_fem._statistics.clusters import FOLDS, days_of_folds
@@ -246,7 +246,7 @@ class Fits:
         # the next round needs these, too
         record = replace(record, inputs=with_measured(record.inputs, candidates))
         self.ready["coarse"] = base, record, tabled
-        return gather(
+        return gather_evidence(
             step.model,
             step.coefficients,
             record,

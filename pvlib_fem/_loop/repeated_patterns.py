@@ -24,7 +24,7 @@ SUN = GEOMETRY[:2]
 CYCLES = 2  # times that each table is estimated again, given all others
 
 
-def repeated(fits: "Fits", step: "Step", least: float) -> list[Table]:
+def repeated_tables(fits: "Fits", step: "Step", least: float) -> list[Table]:
     """
     Tables of the residual of a step on the fitting weeks, the strongest first.
 

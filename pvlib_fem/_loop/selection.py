@@ -12,7 +12,7 @@ from pvlib_fem._loop.dictionary import (
     DATED,
     Candidate,
     Column,
-    dated,
+    dated_candidates,
     first_days,
     place_of,
     without_dates,
@@ -206,7 +206,7 @@ class Selection:
             limits = self.criteria
             every = [
                 *without_dates(self.design, limits.prior_odds),
-                *dated(
+                *dated_candidates(
                     self.design, given, limits.min_days_each_side, limits.prior_odds
                 ),
             ]
@@ -317,8 +317,8 @@ class Selection:
             null, freedom = self.seen.placebo(given, own, whitened)
         rows, null = rows_of(one, design), null / unit
         seen = whitened.estimate / scale
-        there = existence(one, rows, seen, null, freedom)
-        fits = possible(rows, estimate, np.sqrt(np.diag(covariance)))
+        there = probability_of_existence(one, rows, seen, null, freedom)
+        fits = within_bounds(rows, estimate, np.sqrt(np.diag(covariance)))
         keys = tuple(one.effect.rows())
         if not one.effect.sensor_fault:
             keys = tuple(design.names[place_of(column)] for column in one.columns)
@@ -398,7 +398,7 @@ class Selection:
         mine = top.beyond(given)
         for i, one in enumerate(members.values()):
             rival = one.beyond(given)
-            wholes = drawn(design.by_week([*given, *mine, *rival]), draws)
+            wholes = sums_of_draws(design.by_week([*given, *mine, *rival]), draws)
             share = explainable_share(wholes, len(mine), len(rival))
             shared[i] = np.minimum(shared[i], share * most)
         shapes = any(one.effect.confounder for one in members.values())
@@ -448,10 +448,12 @@ def drawn_part(
     inverse = np.linalg.inv(squares + 1e-9 * np.diag(np.diag(squares)))
     own_part = np.linalg.inv(inverse[-len(own) :, -len(own) :])
     noise = np.trace(own_part @ fit.covariance)
-    return (fall_of_squares(drawn(weekly, draws), len(own)) - noise) / design.count
+    return (
+        fall_of_squares(sums_of_draws(weekly, draws), len(own)) - noise
+    ) / design.count
 
 
-def drawn(weekly: np.ndarray, draws: np.ndarray) -> np.ndarray:
+def sums_of_draws(weekly: np.ndarray, draws: np.ndarray) -> np.ndarray:
     """Sums of products over each draw of weeks."""
     return np.einsum("dw,wij->dij", draws, weekly)
 
@@ -491,7 +493,7 @@ def rows_of(one: Candidate, design: Design) -> list[Parameter]:
     return [rows[design.names[place_of(column)]] for column in one.columns]
 
 
-def possible(
+def within_bounds(
     rows: Sequence[Parameter], estimate: np.ndarray, stderr: np.ndarray
 ) -> bool:
     """Whether coefficients are within their bounds, to first order."""
@@ -507,7 +509,7 @@ def possible(
     )
 
 
-def existence(
+def probability_of_existence(
     one: Candidate,
     rows: Sequence[Parameter],
     estimate: np.ndarray,
@@ -531,14 +533,14 @@ def existence(
     freedom : float
         Of the covariance.
     """
-    plain, wide, volume = distances(rows, estimate, covariance)
+    plain, wide, volume = squared_distances(rows, estimate, covariance)
     tails = np.log1p(plain / freedom) - np.log1p(wide / freedom)
     log_factor = -0.5 * volume + 0.5 * (freedom + len(estimate)) * tails
     log_odds = log_factor + one.log_prior - one.log_dates
     return float(1.0 / (1.0 + np.exp(-np.clip(log_odds, -500.0, 500.0))))
 
 
-def distances(
+def squared_distances(
     rows: Sequence[Parameter], estimate: np.ndarray, covariance: np.ndarray
 ) -> tuple[float, float, float]:
     """
@@ -594,7 +596,7 @@ def size_seen(
     float
         Factor of the estimate; infinite if no size is enough.
     """
-    plain, wide, volume = distances(rows, way, covariance)
+    plain, wide, volume = squared_distances(rows, way, covariance)
     log_odds = np.log(probability / (1.0 - probability))
     log_factor = log_odds - one.log_prior + one.log_dates + 0.5 * volume
     # existence, solved for the square of the size

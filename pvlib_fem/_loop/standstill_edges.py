@@ -94,15 +94,15 @@ def by_power(case: Case, effect: Effect, size: float) -> Effect:
     gains = daily_gains(case, effect.make(**wide), size, (before, after))
     first, last = start, end
     if (days_before := range(start - 1, before - 1, -1)) and gains:
-        first = start - longest([gains.get(day, 0.0) for day in days_before])
+        first = start - likeliest_length([gains.get(day, 0.0) for day in days_before])
     if (days_after := range(end, after)) and gains:
-        last = end + longest([gains.get(day, 0.0) for day in days_after])
+        last = end + likeliest_length([gains.get(day, 0.0) for day in days_after])
     if (first, last) == (start, end):
         return effect
     return effect.make(**settings | {"start": date_text(first), "end": date_text(last)})
 
 
-def longest(gains: list[float]) -> int:
+def likeliest_length(gains: list[float]) -> int:
     """The number of days from an edge on that are most likely, if that is sure."""
     sums = np.cumsum(gains)
     return int(np.argmax(sums)) + 1 if sums.max() > SURE else 0

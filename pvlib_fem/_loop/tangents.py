@@ -77,7 +77,7 @@ class Evidence:
         columns = {n: c for n, c in columns.items() if c[known].any()} or columns
         return replace(
             self,
-            columns=self.columns | missing(columns, known),
+            columns=self.columns | unknown_columns(columns, known),
             own=self.own | {effect.name: tuple(columns)},
             effects=self.effects | {effect.name: effect},
             known=self.known | {effect.name: int(known.sum())},
@@ -95,14 +95,16 @@ class Evidence:
         return self.residual - table @ sizes, {n: self.columns[n] for n in names}
 
 
-def missing(columns: dict[str, np.ndarray], known: np.ndarray) -> dict[str, np.ndarray]:
+def unknown_columns(
+    columns: dict[str, np.ndarray], known: np.ndarray
+) -> dict[str, np.ndarray]:
     """Columns that are unknown on some rows."""
     if known.all():
         return columns
     return {name: np.where(known, column, np.nan) for name, column in columns.items()}
 
 
-def gather(
+def gather_evidence(
     model: ThermalModel,
     coefficients: dict[str, float],
     record: Record,
@@ -140,7 +142,7 @@ def gather(
     model = replace(model, base={**coefficients, **(model.base or {})})
     inputs = model.with_base(model.with_drivers(record.inputs), ["temp_base"])
     inputs = model.based(inputs, inputs["temp_base"])
-    inputs, tried, failed = ready(model, inputs, seen, candidates)
+    inputs, tried, failed = ready_effects(model, inputs, seen, candidates)
     temperature = model.temperature(inputs, coefficients)
     rows = np.flatnonzero(seen & np.isfinite(temperature))
     # two tangents that contain a change in part would explain it between them
@@ -154,7 +156,7 @@ def gather(
     before = (
         without_faults.temperature(inputs, coefficients) if changes else temperature
     )
-    wrong = misfits(before - coefficients["bias"], record, rows)
+    wrong = shape_errors(before - coefficients["bias"], record, rows)
     evidence = Evidence(
         {name: own[name] for name in base} | wrong,
         (record["temp_module"] - temperature)[rows],
@@ -173,13 +175,13 @@ def gather(
             scanned.append((one.scan, one.wide, own, known))
         elif one.time_profiles:
             (column,) = own
-            columns = evidence.columns | missing(own, known)
+            columns = evidence.columns | unknown_columns(own, known)
             evidence = replace(evidence, columns=columns)
             changing += [(time_profile, column) for time_profile in one.time_profiles]
         else:
             evidence = evidence.with_effect(one.wide, own, known)
     for scan, wide, own, known in scanned:
-        narrow = narrowed(evidence, scan, own, known, inputs, wide.drivers, least)
+        narrow = located_effect(evidence, scan, own, known, inputs, wide.drivers, least)
         if narrow is None:
             failed[wide.name] = because(wide.not_found)
             continue
@@ -253,7 +255,7 @@ class Tried:
         return [one.name for one in self.time_profiles or (self.wide,)]
 
 
-def ready(
+def ready_effects(
     model: ThermalModel, inputs: Inputs, seen: np.ndarray, candidates: Iterable[Effect]
 ) -> tuple[Inputs, list[Tried], dict[str, Because]]:
     """
@@ -283,11 +285,11 @@ def ready(
             time_profiles = (effect,) if effect.dates else ()
             tried[name] = Tried(wide, effect.scan, time_profiles)
         except Exception as error:  # whatever an effect does, the others go on
-            failed[effect.name] = broken(error)
+            failed[effect.name] = reason_of_error(error)
     return inputs, [*tried.values()], failed
 
 
-def broken(error: Exception) -> Because:
+def reason_of_error(error: Exception) -> Because:
     """Why an effect cannot be tried that raises an error of its own."""
     return because(Reason.BROKEN, error=f"{type(error).__name__}: {error}")
 
@@ -324,7 +326,7 @@ class Tangents:
         """
         model = model.with_known_terms(inputs, coefficients)
         reach = FADED * model.longest_time_constant(inputs, coefficients)
-        read = remembered(rows, inputs.seconds, reach)
+        read = rows_within_reach(rows, inputs.seconds, reach)
         names = (*COLUMNS[:3], *model.drivers)
         inputs = inputs.only(names).at_rows(read)
         places = np.searchsorted(read, rows)
@@ -344,13 +346,17 @@ class Tangents:
         dict of array, shape (requested rows,)
         """
         wanted, further = also is None, also or {}
-        terms = {name: held(one.part(self.read)) for name, one in further.items()}
+        terms = {
+            name: gapless_terms(one.part(self.read)) for name, one in further.items()
+        }
         slopes = self.model.slopes(self.inputs, self.coefficients, wanted, terms)[1]
         names = [*slopes] if wanted else terms
         return {name: slopes.pop(name)[self.places] for name in names}
 
 
-def remembered(rows: np.ndarray, seconds: np.ndarray, reach: float) -> np.ndarray:
+def rows_within_reach(
+    rows: np.ndarray, seconds: np.ndarray, reach: float
+) -> np.ndarray:
     """Some rows, and those before each that are no older than so long. [s]"""
     ahead = np.full(len(seconds), np.inf)
     ahead[rows] = seconds[rows]
@@ -388,7 +394,7 @@ def tangents(
                 terms |= terms_of(one.wide, inputs.columns)
                 there.append(one)
             except Exception as error:
-                failed |= dict.fromkeys(one.names, broken(error))
+                failed |= dict.fromkeys(one.names, reason_of_error(error))
         slopes = at.slopes(terms)
         for one in there:
             yield one, {key: slopes.pop(key) for key in one.wide.rows()}
@@ -397,10 +403,10 @@ def tangents(
 def are_numbers(column: np.ndarray, known: np.ndarray) -> bool:
     """Whether a column is a number on all rows that are known."""
     # a sum that is one says it of all, in one fast pass
-    return bool(np.isfinite(total(column)) or np.isfinite(column[known]).all())
+    return bool(np.isfinite(sum_or_nan(column)) or np.isfinite(column[known]).all())
 
 
-def total(column: np.ndarray) -> float:
+def sum_or_nan(column: np.ndarray) -> float:
     """Sum of a column; NaN of infinities of both signs, without a warning."""
     with np.errstate(invalid="ignore"):
         return float(column.sum())
@@ -411,18 +417,24 @@ def terms_of(effect: Effect, columns: Columns) -> Mapping[str, Terms]:
     return linearised(effect, columns).slopes(columns, effect.start)
 
 
-def held(terms: Terms) -> Terms:
+def gapless_terms(terms: Terms) -> Terms:
     """
     Terms over gaps as the kernel takes them: the next sample counts for all of it.
 
     So the rows after a gap have a memory; those in it do not count.
     """
-    return Terms(*(filled(getattr(terms, column.name)) for column in fields(terms)))
+    return Terms(
+        *(gapless_column(getattr(terms, column.name)) for column in fields(terms))
+    )
 
 
-def filled(column: np.ndarray | float) -> np.ndarray | float:
+def gapless_column(column: np.ndarray | float) -> np.ndarray | float:
     """A column of terms with the next number in each gap, at its end the last one."""
-    if isinstance(column, float) or not np.ndim(column) or not np.isnan(total(column)):
+    if (
+        isinstance(column, float)
+        or not np.ndim(column)
+        or not np.isnan(sum_or_nan(column))
+    ):
         return column
     gaps = np.flatnonzero(np.isnan(column))
     if len(gaps) in (0, len(column)):
@@ -436,7 +448,7 @@ def filled(column: np.ndarray | float) -> np.ndarray | float:
     return column
 
 
-def narrowed(
+def located_effect(
     evidence: Evidence,
     scan: Scan,
     own: dict[str, np.ndarray],
@@ -453,7 +465,7 @@ def narrowed(
     return scan(rest[known], columns, places, weeks, least)
 
 
-def misfits(
+def shape_errors(
     temperature: np.ndarray, record: Record, rows: np.ndarray
 ) -> dict[str, np.ndarray]:
     """

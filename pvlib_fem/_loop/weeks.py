@@ -24,7 +24,7 @@ class Part(IntEnum):
     TEST = 1  # the errors that are reported; nothing looks at them before
 
 
-def named(parts: np.ndarray) -> "pd.Categorical[str]":
+def part_names(parts: np.ndarray) -> "pd.Categorical[str]":
     """
     The parts of rows by name, as users see them: ``fitting`` or ``test``.
 
@@ -43,7 +43,7 @@ def named(parts: np.ndarray) -> "pd.Categorical[str]":
     return pd.Categorical.from_codes(parts, names).set_categories(there)
 
 
-def parts(
+def parts_of_rows(
     record: Record,
     seen: np.ndarray,
     holdout: pd.Series | None,

@@ -9,7 +9,7 @@ import pandas as pd
 from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
-from pvlib_fem._loop.close import Search, close_loop, searched
+from pvlib_fem._loop.close import Search, close_loop, finished_search
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.planes import with_given
@@ -105,7 +105,7 @@ def recover_events(
     place = checked_place(location, surface_tilt, surface_azimuth, mount)
     data, place = with_given(data, place)
     how: dict[str, Any] = dict(holdout=None, effects=None, check_units=True, fixed=None)
-    search, loop = searched(data, model, place, None, criteria=criteria, **how)
+    search, loop = finished_search(data, model, place, None, criteria=criteria, **how)
     plant = Plant.from_loop(search, loop)
     tables, others = [], {}
     for name in names:

@@ -9,7 +9,7 @@ import numpy as np
 from pvlib_fem._loop.design import Design
 from pvlib_fem._loop.dictionary import Candidate, Changed
 from pvlib_fem._loop.divided_record import Case
-from pvlib_fem._loop.ranking import beyond
+from pvlib_fem._loop.ranking import squares_given_others
 from pvlib_fem._loop.refits import Fits, Step
 from pvlib_fem._loop.selection import Selection, selected
 from pvlib_fem._loop.threads import one_blas_thread
@@ -111,7 +111,11 @@ class Look:
         """Whether the effect is not collinear with the fitted coefficients."""
         design, size = self.selection.design, len(self.one.columns)
         squares = design.whole([*design.base, *self.one.columns])
-        return bool((beyond(squares, size) > 1e-6 * np.diag(squares)[-size:]).all())
+        return bool(
+            (
+                squares_given_others(squares, size) > 1e-6 * np.diag(squares)[-size:]
+            ).all()
+        )
 
     def size(self, draw: Draw, least: float) -> float:
         """The least size at which the effect is found, or NaN."""

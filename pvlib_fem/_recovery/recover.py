@@ -9,11 +9,11 @@ import pandas as pd
 from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
-from pvlib_fem._loop.close import Search, searched
+from pvlib_fem._loop.close import Search, finished_search
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.planes import with_given
-from pvlib_fem._loop.progress import counting
+from pvlib_fem._loop.progress import item_counter
 from pvlib_fem._loop.replacements import Replacements
 from pvlib_fem._parallel import refuse_anew, spread
 from pvlib_fem._record.column_names import ALWAYS
@@ -197,7 +197,7 @@ def recover_effects(
     )
     if path is not None and Path(path).exists():
         result = resumed(result, path)
-    search, loop = searched(data, model, place, None, **how)
+    search, loop = finished_search(data, model, place, None, **how)
     wanted = (effects, sizes, draws, seed)
     planned, notes = planned_injections(search, loop, *wanted, processes, progress)
     if not planned and not reliability:
@@ -209,7 +209,7 @@ def recover_effects(
     how |= {"model": model, **place}
     injector = Injector.from_loop(search, loop)
     shared: tuple = (data, injector, loop.finding_objects, how)
-    with counting(len(planned), len(done), progress, "put in") as report:
+    with item_counter(len(planned), len(done), progress, "put in") as report:
         for outcome in spread(recovered, tasks, processes, shared):
             result = with_outcome(result, outcome, planned)
             if path is not None:
@@ -224,7 +224,7 @@ def recover_effects(
     done = {trial.key for trial in result.trials}
     tasks = [key for key in kept if key not in done]
     shared = (scrambler, how, seed)
-    with counting(len(kept), len(done), progress, "scrambled") as report:
+    with item_counter(len(kept), len(done), progress, "scrambled") as report:
         for trial in spread(trial_of, tasks, processes, shared):
             result = with_trial(result, trial, kept)
             if path is not None:
@@ -274,7 +274,7 @@ def planned_injections(
         ready = [effect for effect in ready if effect.name in sizes]
     shared, tasks = (search.case, step, draws, seed), [(e,) for e in ready]
     looked = spread(predictions, tasks, processes, shared)
-    with counting(len(tasks), 0, progress, "predicted") as report:
+    with item_counter(len(tasks), 0, progress, "predicted") as report:
         for effect, (looks, why) in zip(ready, looked):
             report(effect.name)
             if why is not None:

@@ -62,7 +62,9 @@ def compared_with(
 ) -> DailyDeviation:
     """A sensor compared with the reference of a name; refuse missing columns."""
     comparison = next(one for one in COMPARISONS if one.serves(name))
-    deviation = references.compared(comparison, Columns(index, columns), name, values)
+    deviation = references.daily_deviation(
+        comparison, Columns(index, columns), name, values
+    )
     if deviation is None:
         raise ValueError(
             f"fewer than {comparison.fewest} days can be compared with "

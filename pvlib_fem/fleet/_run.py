@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from pvlib_fem._loop.progress import counting
+from pvlib_fem._loop.progress import item_counter
 from pvlib_fem.fleet._engine import client_of, on_dask, serial
 from pvlib_fem.fleet._results import Results
 from pvlib_fem.fleet._store import write_tables
@@ -149,7 +149,7 @@ def reporter(
     """The function to call with each answer."""
     if callable(progress):
         return progress
-    show = stack.enter_context(counting(total, 0, progress, "systems"))
+    show = stack.enter_context(item_counter(total, 0, progress, "systems"))
     failed = 0
 
     def count(answer: dict) -> None:

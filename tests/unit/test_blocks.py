@@ -14,7 +14,7 @@ import pvlib_fem as fem
 from pvlib_fem._fitting import row_source as rows_of
 from pvlib_fem._fitting.row_source import Rows, daily_sums, normal_sums
 from pvlib_fem._fitting.search import with_tables
-from pvlib_fem._loop.tangents import Tangents, filled
+from pvlib_fem._loop.tangents import Tangents, gapless_column
 from pvlib_fem._record.inputs import as_record
 from pvlib_fem._statistics.clusters import cluster_sums
 from pvlib_fem._statistics.leastsquares import normal
@@ -109,7 +109,7 @@ def test_terms_over_gaps_are_those_of_the_next_row(column):
     """At the end of the last one that is there, and where there is none nothing."""
     column = np.array(column)
     want = pd.Series(column).bfill().ffill().to_numpy()
-    np.testing.assert_array_equal(filled(column), want)
+    np.testing.assert_array_equal(gapless_column(column), want)
 
 
 def some_terms(rows):

@@ -17,9 +17,9 @@ from pvlib_fem._loop.references import (
     SKY,
     USUAL_WIND,
     DailyDeviation,
-    apart,
+    daily_deviations,
     outcome_of,
-    usual,
+    usual_days,
 )
 from pvlib_fem._record.column_names import COLUMNS, is_cross_check, is_power, twin_of
 from pvlib_fem._stored import Stored, as_json
@@ -189,7 +189,7 @@ def asked(poa, wind, place=PLACE, angles=(None, None), late=0.0, searched=None, 
         record=record, cross_check_columns=others, place=places, late=late
     )
     case.searched = np.ones(len(poa), dtype=bool) if searched is None else searched
-    return {one.column: one for one in apart(case)}
+    return {one.column: one for one in daily_deviations(case)}
 
 
 @pytest.mark.parametrize("fading", [0.0, 0.15])
@@ -243,7 +243,7 @@ def test_what_changes_for_a_while_is_no_outlier_however_sharp_a_comparison():
     snow = np.arange(80, 100)
     values[snow] -= random.uniform(0.1, 2.0, len(snow))
     values[70] = np.nan
-    kept = usual(values)
+    kept = usual_days(values)
     assert not kept[70]
     assert kept[snow].sum() <= 2
     assert np.delete(kept, [70, *snow]).mean() > 0.98

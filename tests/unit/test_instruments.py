@@ -15,7 +15,7 @@ from test_effects import coefficients, model_with
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
 from pvlib_fem._findings import Verdict
-from pvlib_fem._loop.close import searched
+from pvlib_fem._loop.close import finished_search
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
 from pvlib_fem.effects import CHANGES, EFFECTS, SENSOR_FAULTS, find
@@ -287,7 +287,7 @@ def test_a_change_in_the_model_explains_what_it_did_before(half_a_year, name):
     data, _ = with_change(half_a_year, name, **{name: -0.3})
     no_place = fem.drivers.checked_place(None)
     how = dict(holdout=None, effects=None, fixed=None, criteria=fem.Criteria())
-    search, loop = searched(data, "faiman", no_place, None, **how)
+    search, loop = finished_search(data, "faiman", no_place, None, **how)
     assert loop.finding_objects[0].added
     steps = [*search.steps.values()][-1 - len(loop.effects) :]
     before, after = (one.error(search.case.fitting) ** 2 for one in steps[:2])

@@ -18,7 +18,7 @@ from conftest import COLUMNS, measured
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
 from pvlib_fem._loop.correct_clock import module_clock
-from pvlib_fem._loop.prepare import prepared
+from pvlib_fem._loop.prepare import prepared_case
 from pvlib_fem._loop.refits import Fits
 from pvlib_fem._record.resampling import coarse
 from pvlib_fem._stored import as_json
@@ -364,7 +364,7 @@ def test_a_file_that_keeps_summer_time_is_corrected_and_the_sun_tried():
 def test_a_correction_that_raises_the_error_is_withdrawn():
     """Of a clock that was read the wrong way round."""
     late = simulator.record(effects=PHYSICS | {"clock_shift": 10.0}, **HALF)
-    case = prepared(
+    case = prepared_case(
         late, fem.drivers.checked_place(**PLACE), None, None, fem.Criteria()
     )
     wrong = replace(case.clock, late=-case.clock.late)

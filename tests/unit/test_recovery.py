@@ -13,7 +13,7 @@ from click.testing import CliRunner
 import pvlib_fem as fem
 from pvlib_fem._cli import main
 from pvlib_fem._findings import Finding, Verdict
-from pvlib_fem._loop.close import searched
+from pvlib_fem._loop.close import finished_search
 from pvlib_fem._recovery.draw import Draw, Injection, dated_draws
 from pvlib_fem._recovery.inject import Injector, readable
 from pvlib_fem._recovery.judge import judged
@@ -42,7 +42,7 @@ def record():
 @pytest.fixture(scope="module")
 def done(record):
     no_place = fem.drivers.checked_place(None)
-    return searched(record, "faiman", no_place, None, **how(record))
+    return finished_search(record, "faiman", no_place, None, **how(record))
 
 
 def how(record):

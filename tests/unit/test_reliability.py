@@ -13,7 +13,7 @@ from scipy.stats import binom, poisson
 import pvlib_fem as fem
 from pvlib_fem import simulator
 from pvlib_fem._findings import Verdict
-from pvlib_fem._loop.close import close_loop, searched
+from pvlib_fem._loop.close import close_loop, finished_search
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._recovery.draw import Injection
 from pvlib_fem._recovery.inject import Injector
@@ -52,7 +52,7 @@ def record():
 def done(record):
     how = dict(holdout=None, effects=None, check_units=True, fixed=None)
     place = fem.drivers.checked_place(**PLACE)
-    return searched(record, "faiman", place, None, criteria=Criteria(), **how)
+    return finished_search(record, "faiman", place, None, criteria=Criteria(), **how)
 
 
 @pytest.fixture(scope="module")

@@ -8,15 +8,21 @@ from hypothesis import given, strategies as st
 
 from pvlib_fem import Criteria, close_loop, simulator
 from pvlib_fem._findings import OUTSIDE
-from pvlib_fem._loop.design import Design, independent
-from pvlib_fem._loop.dictionary import Candidate, Changed, Scan, dated, first_days
+from pvlib_fem._loop.design import Design, independent_columns
+from pvlib_fem._loop.dictionary import (
+    Candidate,
+    Changed,
+    Scan,
+    dated_candidates,
+    first_days,
+)
 from pvlib_fem._loop.noise import (
-    misfits,
+    law_misfits,
     random_effects,
-    shares,
+    remaining_shares,
     with_outside,
 )
-from pvlib_fem._loop.selection import Choice, Selection, existence
+from pvlib_fem._loop.selection import Choice, Selection, probability_of_existence
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,
@@ -150,7 +156,7 @@ def test_the_date_of_a_change_is_within_its_interval(time_profile, dates):
         changing = [CHANGES[f"module_offset_{time_profile}"]]
         made = design(rest, {"one": random.normal(size=len(days))}, days, hours)
         made = replace(made, changing=tuple(changing))
-        (found,) = dated(made, [1], 21, 0.025)
+        (found,) = dated_candidates(made, [1], 21, 0.025)
         score = Selection(made, CRITERIA).score(found, [1])
         errors = abs(score.estimate[0]) / score.stderr[0]
         between = first_days(made, found, [1], 21, errors).settings["between"]
@@ -170,7 +176,7 @@ def test_the_more_a_change_could_be_the_less_it_is_believed():
     def odds(size, rows=(row,), **more):
         cov = np.array([[0.01**2]])
         one_more = replace(one, **more)
-        return existence(one_more, [*rows], np.array([size]), cov, 50.0)
+        return probability_of_existence(one_more, [*rows], np.array([size]), cov, 50.0)
 
     sizes = [odds(size) for size in (0.0, 0.02, 0.04, 0.08, 0.2)]
     assert sizes == sorted(sizes) and sizes[0] < 0.025 < 0.99 < sizes[-1]
@@ -231,7 +237,7 @@ def test_a_true_effect_keeps_its_size_within_every_table():
     random, (days, hours) = np.random.default_rng(2), clock(300)
     own = np.maximum(random.normal(size=len(days)) + np.cos(hours / 4.0), 0.0)
     made, one, choice = chosen(2.0 * own + noise(random, len(days)), own, days, hours)
-    sizes = [*shares(made, one, [*made.base])]
+    sizes = [*remaining_shares(made, one, [*made.base])]
     assert sizes
     for share, error in sizes:
         assert abs(share - 1.0) < 4.0 * error + 0.02
@@ -246,7 +252,7 @@ def test_what_stands_for_an_unknown_schedule_is_outside():
     own = pump + 0.3 * np.abs(random.normal(size=len(days)))
     rest = 3.0 * pump + noise(random, len(days))
     made, one, choice = chosen(rest, own, days, hours)
-    share, _ = shares(made, one, [*made.base])[0]  # by hour and month
+    share, _ = remaining_shares(made, one, [*made.base])[0]  # by hour and month
     assert share < 0.3
     assert choice.probabilities[OUTSIDE] > 0.5
 
@@ -266,7 +272,7 @@ def test_a_sensor_that_has_changed_does_so_at_every_hour(hours_of_day):
     (one,) = selection.candidates([1])
     score = selection.score(one, [1])
     assert score.probability > 0.95
-    (misfit,) = misfits(made, one, [1], score.fall)
+    (misfit,) = law_misfits(made, one, [1], score.fall)
     choice = selection.weighed(Choice(one, score), [])
     outside = with_outside(made, choice, [1], CRITERIA).probabilities[OUTSIDE]
     if hours_of_day == (0, 24):
@@ -291,7 +297,7 @@ def test_the_days_of_a_standstill_have_no_residual_of_their_own(unlike):
     selection = Selection(made, CRITERIA)
     (one,) = (c for c in selection.candidates([1]) if c.name == stuck.name)
     choice = Choice(one, selection.score(one, [1]), {one.name: one}, {}, {one.name: 1})
-    (misfit,) = misfits(made, one, [1], choice.fall)
+    (misfit,) = law_misfits(made, one, [1], choice.fall)
     outside = with_outside(made, choice, [1], CRITERIA).probabilities[OUTSIDE]
     if unlike:
         assert misfit > 0.7 and outside > 0.5
@@ -487,7 +493,7 @@ def test_a_law_that_is_not_exact_keeps_its_size_where_it_changes():
     made = design(rest, usual, days, hours, changing=[drift])
     made.cells[:, -1] = seen / np.sqrt(np.mean(seen**2))
     one = Candidate(drift, (Changed.from_effect(len(made.names) - 1, drift),), 0.0)
-    months, *_ = shares(made, one, [*made.base])
+    months, *_ = remaining_shares(made, one, [*made.base])
     assert months[0] == pytest.approx(1.0, abs=max(0.2, 2.0 * months[1]))
 
 
@@ -498,7 +504,7 @@ def test_columns_that_are_sums_of_others_are_no_columns_of_an_effect(seed, times
     cells = random.normal(size=(50, 4))
     cells[:, 2] = times * cells[:, 1]
     rows = random.integers(1, 12, 50).astype(float)
-    assert independent(cells, rows, [1, 2, 3]) == (1, 3)
-    assert independent(cells, rows, [0, 1, 3]) == (0, 1, 3)
+    assert independent_columns(cells, rows, [1, 2, 3]) == (1, 3)
+    assert independent_columns(cells, rows, [0, 1, 3]) == (0, 1, 3)
     cells[1:, 1:] = 0.0
-    assert independent(cells, rows, [1, 2, 3]) == (1,)
+    assert independent_columns(cells, rows, [1, 2, 3]) == (1,)
