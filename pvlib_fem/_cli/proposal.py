@@ -55,24 +55,24 @@ def check_columns(data: pd.DataFrame, needed: Iterable[str] = COLUMNS) -> None:
     ValueError
         With the missing columns and the option that names them.
     """
-    if lacking := [name for name in needed if name not in data]:
+    if absent := [name for name in needed if name not in data]:
         there = ", ".join(map(str, data.columns))
         raise refusal(
-            f"no column {', '.join(lacking)} among {there}; name it with --map "
-            f"{lacking[0]}=COLUMN{remedy_for(lacking, data)}",
+            f"no column {', '.join(absent)} among {there}; name it with --map "
+            f"{absent[0]}=COLUMN{remedy_for(absent, data)}",
             *of_several(data.columns),
         )
 
 
-def remedy_for(lacking: Sequence[str], data: pd.DataFrame) -> str:
+def remedy_for(absent: Sequence[str], data: pd.DataFrame) -> str:
     """What a fit can do without columns."""
     given = options_given()
-    others = [name for name in data if len(lacking) == 1 and twin_of(name) in lacking]
-    if others and lacking[0] in SERVED and "stand_ins" in given:
+    others = [name for name in data if len(absent) == 1 and twin_of(name) in absent]
+    if others and absent[0] in SERVED and "stand_ins" in given:
         return f", or give --stand-in {others[0]}"
-    if lacking == ["wind_speed"] and "model" in given:
+    if absent == ["wind_speed"] and "model" in given:
         return ", or give --model ross if there is none"
-    if lacking == ["poa_global"] and "ghi" in data and "transposition" in given:
+    if absent == ["poa_global"] and "ghi" in data and "transposition" in given:
         return ", or make it of ghi: --transposition perez"
     return ""
 
@@ -119,14 +119,14 @@ def proposal(
     try:
         several = click.get_current_context().info_name == "modules"
         guessed = guess(files, layouts, columns, how, place, check_record, several)
-        lacking = [name for name in needed if name not in guessed.there]
-        level = of_the_sky(guessed) if "poa_global" in lacking else []
-        calm = "wind_speed" in lacking and "model" in options_given()
+        absent = [name for name in needed if name not in guessed.there]
+        level = of_the_sky(guessed) if "poa_global" in absent else []
+        calm = "wind_speed" in absent and "model" in options_given()
         spared = ["poa_global"] * bool(level) + ["wind_speed"] * calm
-        lacking = [name for name in lacking if name not in spared]
-        calm = calm and not lacking
-        lacking += lacking_sensors(guessed.there) if several else []
-        if not lacking:
+        absent = [name for name in absent if name not in spared]
+        calm = calm and not absent
+        absent += lacking_sensors(guessed.there) if several else []
+        if not absent:
             needed = [name for name in needed if name not in spared]
             check = {**how, "convert": how["convert"] or guessed.headers}
             check["units"] = {**how["units"], **guessed.units}
@@ -136,7 +136,7 @@ def proposal(
             check_columns(data, needed)
     except Exception:  # a proposal is an extra; the error itself is reported anyway
         return "", ""
-    line = command(guessed, lacking, how, ["--model", "ross"] * calm, level)
+    line = command(guessed, absent, how, ["--model", "ross"] * calm, level)
     lines = [LOOK, "", f"  {line}", ""]
     lines += [f"- {doubt}" for doubt in guessed.doubts]
     if power := guessed.columns.get("power_ac"):
@@ -174,13 +174,13 @@ def proposal(
             "- there is no irradiance in the plane of the module: it is made of the "
             "horizontal one, which takes the place and the plane"
         )
-    if lacking:
+    if absent:
         free = (
             f"There are {', '.join(guessed.free)}"
             if guessed.free
             else "No other is left"
         )
-        lines.append(f"- which column is {', '.join(lacking)}? {free}")
+        lines.append(f"- which column is {', '.join(absent)}? {free}")
     if guessed.area and not how["module_area"]:
         lines.append("- the area of the modules is not in the file: put it for AREA")
     return "\n".join(lines).rstrip(), line
@@ -229,7 +229,7 @@ def options_given() -> list[str | None]:
 
 def command(
     guessed: Guess,
-    lacking: Iterable[str],
+    absent: Iterable[str],
     how: Mapping[str, Any],
     model: Sequence[str] = (),
     more: Iterable[str] = (),
@@ -241,7 +241,7 @@ def command(
     ----------
     guessed : Guess
         Layouts, columns and units.
-    lacking : iterable of str
+    absent : iterable of str
         Columns that are missing, for which the line has a placeholder.
     how : dict
         Options of reading.
@@ -282,7 +282,7 @@ def command(
     words += ["--drop-untimed"] * any(one.drop_untimed for one in guessed.layouts)
     for name, column in guessed.columns.items():
         words += ["--map", f"{name}={column}"]
-    for name in lacking:
+    for name in absent:
         words += ["--map", f"{name}=COLUMN"]
     words += ["--convert"] * (guessed.headers or how["convert"])
     for name, unit in {**how["units"], **guessed.units}.items():

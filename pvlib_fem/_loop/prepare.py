@@ -487,11 +487,11 @@ def gap_lines(
 ) -> Iterator[str]:
     """Rows that do not count for effects because a driver is missing, a line each."""
     for name in drivers:
-        lacking = int(np.isnan(record[name]).sum())
+        absent = int(np.isnan(record[name]).sum())
         using = [e.name for e in wanted if name in needed_for(e.drivers)]
-        if lacking and using:
+        if absent and using:
             yield (
-                f"{name} is missing in {lacking:,} rows, which do not count for "
+                f"{name} is missing in {absent:,} rows, which do not count for "
                 f"{', '.join(using)}"
             )
 
