@@ -382,8 +382,7 @@ def page(table, seconds):
     yield ""
     yield (
         f"{len(table)} records in {seconds / 60:.0f} min, seeds {seeds.min()} to "
-        f"{seeds.max()}. The loop alone takes {table['seconds'].median():.1f} s "
-        f"(median) and at most {table['seconds'].max():.0f} s."
+        f"{seeds.max()}."
     )
     yield ""
     yield METHOD.format(

@@ -39,15 +39,15 @@ The simulator has {kinds} kinds of causes outside the catalogue.
 {open} are open, and {closed} are closed: nobody sees the findings for these
 before the gate is measured.
 
-The loop takes {seconds}.{rules}
-
+{rules}
 | gate | asked | measured | met |
 |---|---|---|---|
 """
 
-RULES = """
+RULES = """\
 *The rules* decided before the loop had a statistical model. Their results are of the
-same records (`make oracle`)."""
+same records (`make oracle`).
+"""
 
 APART = """
 The next table divides the records by block of seeds and by generator of the module
@@ -264,20 +264,6 @@ def no_more(words, ours, rules):
     return words, asked, measured, ours <= rules + HARDLY
 
 
-def time_of(table, rules=None):
-    """How long a loop takes, in words."""
-    seconds = table["seconds"]
-    text = f"{seconds.median():.1f} s in the median and {seconds.max():.1f} s at most"
-    if rules is None:
-        return text
-    median = paired(table, rules)[["seconds", "seconds_rules"]].median()
-    return (
-        f"{text}.\nOn the records of the rules it takes "
-        f"{median['seconds']:.1f} s in the median, and they took "
-        f"{median['seconds_rules']:.1f} s"
-    )
-
-
 def page(table, changes, oracle=None):
     """The page, as Markdown."""
     rows = [*gates(table, changes)]
@@ -289,7 +275,6 @@ def page(table, changes, oracle=None):
         kinds=len(UNKNOWN),
         open=len(UNDECLARED),
         closed=len(CLOSED),
-        seconds=time_of(table, oracle and oracle[0]),
         rules=RULES if oracle else "",
     ).rstrip("\n")
     for words, asked, measured, met in rows:

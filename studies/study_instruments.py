@@ -271,13 +271,13 @@ def page(table, first):
         middle = np.median([d[1] for d in dates])
         yield f"Half of the dates are within {middle:.1f} days of the true date."
         yield ""
-    yield "| device | time profile | records | found | first | named |"
+    yield "| device | time profile | records | found | first | identified |"
     yield "|---|---|---|---|---|---|"
     for (channel, course), part in there.groupby(["channel", "course"]):
-        named = (part["verdict"] == "identified").sum()
+        identified = (part["verdict"] == "identified").sum()
         yield (
             f"| {channel} | {course} | {len(part)} | {part['found'].sum()} | "
-            f"{part['first'].sum()} | {named} |"
+            f"{part['first'].sum()} | {identified} |"
         )
 
 
