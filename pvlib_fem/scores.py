@@ -117,7 +117,7 @@ class ErrorSums:
         # not by BLAS, whose last bits depend on the number of threads
         self.sums += np.einsum("i,i", error, error), np.abs(error).sum(), total
 
-    def scores(self, part: str) -> dict:
+    def scores(self, part: str) -> dict[str, float]:
         """RMSE, MAE and MBE; the name of each ends with the part of a record. [K]"""
         with np.errstate(invalid="ignore"):
             square, size, mean = self.sums / (self.rows or np.nan)

@@ -37,7 +37,7 @@ class Frame(Rows):
     @classmethod
     def from_record(
         cls, record: Record, counts: np.ndarray, out: np.ndarray, night: bool = False
-    ) -> Any:
+    ) -> "Frame":
         """The source of a record, by masks of rows that count and are held out."""
         return cls(record, counts & ~out, test=counts & out, out=out, night=night)
 

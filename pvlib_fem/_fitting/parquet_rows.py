@@ -52,7 +52,7 @@ class Files(Source):
         return self.screened.record
 
     @property
-    def step(self) -> Any:
+    def step(self) -> float:
         """Usual time between rows. [s]"""
         return self.screened.look.step
 
@@ -89,7 +89,7 @@ class Files(Source):
         return ~np.isin(self.dates, self.out)
 
     @property
-    def count(self) -> Any:
+    def count(self) -> int:
         """How many rows are fitted."""
         return int(self.rows[self.fitted].sum())
 
@@ -126,7 +126,7 @@ class Files(Source):
         """Rows that are solved at a time."""
         return AT_ONCE if uses_compiled_loops(len(self.clean), ()) else BLOCK
 
-    def uses_compiled_loops(self, model: Any) -> Any:
+    def uses_compiled_loops(self, model: ThermalModel) -> bool:
         """Whether the compiled loops can solve a model with known terms."""
         return uses_compiled_loops(len(self.clean), model.effects)
 

@@ -28,7 +28,7 @@ class BlockRows:
     @classmethod
     def from_masks(
         cls, complete: np.ndarray, counts: np.ndarray, dates: np.ndarray, steps: Any
-    ) -> Any:
+    ) -> "BlockRows":
         edges = np.flatnonzero(np.diff(dates)) + 1
         days, rows = dates[[0, *edges]], np.diff([0, *edges, len(dates)])
         usual = float(np.median(steps))

@@ -151,7 +151,7 @@ class Source:
         @property
         def winds(self) -> Any: ...
 
-    def uses_compiled_loops(self, model: ThermalModel) -> Any:
+    def uses_compiled_loops(self, model: ThermalModel) -> bool:
         """Whether the compiled loops can solve a model with known terms."""
         raise NotImplementedError
 
@@ -297,7 +297,7 @@ class Rows(Source):
         """Masks of the rows, by purpose."""
         return {"train": self.counts}
 
-    def uses_compiled_loops(self, model: Any) -> Any:
+    def uses_compiled_loops(self, model: ThermalModel) -> bool:
         """Whether the compiled loops can solve a model with known terms."""
         return uses_compiled_loops(len(self.record.index), model.effects)
 
@@ -322,7 +322,7 @@ class Rows(Source):
             counts = {which: rows[block] for which, rows in kept.items()}
             yield Part(part["temp_module"], dates[block], counts), given
 
-    def thinned(self) -> Any:
+    def thinned(self) -> "Rows | None":
         """
         Every eighth block, for the start of a search; None if there are few.
 

@@ -33,7 +33,7 @@ class Held:
     columns: list = field(default_factory=list)
 
     @classmethod
-    def for_drivers(cls, drivers: list, usual: float) -> Any:
+    def for_drivers(cls, drivers: list, usual: float) -> "Held":
         """The columns that lagged drivers need; none if the usual step is shorter."""
         return cls(tuple(underived(of_means(drivers))) if usual >= MEANS else ())
 

@@ -88,7 +88,7 @@ class ThermalModel:
             )
 
     @property
-    def parameters(self) -> dict:
+    def parameters(self) -> dict[str, Parameter]:
         """Rows of all fitted parameters, bias last."""
         rows = {**self.steady_model.parameters, **MEMORY[self.dynamics]}
         for effect in self.effects:
@@ -103,23 +103,23 @@ class ThermalModel:
         return {**self.steady_model.fixed, **held}
 
     @property
-    def free(self) -> list:
+    def free(self) -> list[str]:
         """Names of the parameters that a fit varies, bias last."""
         return [name for name in self.parameters if name not in self.held]
 
     @property
-    def drivers(self) -> list:
+    def drivers(self) -> list[str]:
         """Measured columns that the effects need in addition to the usual three."""
         return needed_for(self.effect_drivers)
 
     @property
-    def usual(self) -> tuple:
+    def usual(self) -> tuple[str, ...]:
         """The usual drivers on which the model depends; wind is not always one."""
         takes = self.steady_model.takes_wind or WIND in underived(self.effect_drivers)
         return tuple(name for name in COLUMNS[:3] if takes or name != WIND)
 
     @property
-    def effect_drivers(self) -> list:
+    def effect_drivers(self) -> list[str]:
         """Drivers of the effects, measured or derived."""
         return [name for effect in self.effects for name in effect.drivers]
 
@@ -383,7 +383,7 @@ class ThermalModel:
                 slopes[name][block] = slope
         return temperature, slopes
 
-    def longest_time_constant(self, inputs: Inputs, coefficients: dict) -> Any:
+    def longest_time_constant(self, inputs: Inputs, coefficients: dict) -> float:
         """Longest time constant of any row. [s]"""
         if self.dynamics != "balance":
             return coefficients.get("tau", 0.0)
@@ -473,12 +473,12 @@ class ThermalModel:
                 slopes |= effect.slopes(inputs.columns, coefficients)
         return added, slopes
 
-    def steady_coefficients(self, coefficients: dict) -> dict:
+    def steady_coefficients(self, coefficients: dict) -> dict[str, float]:
         """The coefficients of the steady model among some coefficients."""
         return {name: coefficients[name] for name in self.steady_model.coefficients}
 
 
-def blocks(rows: int, size: int = BLOCK) -> list:
+def blocks(rows: int, size: int = BLOCK) -> list[slice]:
     """
     Slices of so many rows, each so short that its columns stay in the cache.
 
@@ -496,7 +496,7 @@ def blocks(rows: int, size: int = BLOCK) -> list:
     return [slice(start, min(start + size, rows)) for start in range(0, rows, size)]
 
 
-def terms_on_rows(terms: Any, rows: int) -> Any:
+def terms_on_rows(terms: Any, rows: slice) -> Any:
     """Terms by name on a slice of rows."""
     return {name: column.part(rows) for name, column in terms.items()}
 

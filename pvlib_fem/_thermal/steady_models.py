@@ -116,7 +116,7 @@ def ross(
     return k + 0.0 * wind_speed
 
 
-def ross_slopes(wind_speed: np.ndarray, k: float) -> dict:
+def ross_slopes(wind_speed: np.ndarray, k: float) -> dict[str, Any]:
     return {"k": np.ones_like(wind_speed), "wind_speed": 0.0}
 
 
@@ -218,7 +218,7 @@ def noct(
     return ross(wind_speed, (noct - 20.0) / 800.0)
 
 
-def noct_slopes(wind_speed: np.ndarray, noct: float) -> dict:
+def noct_slopes(wind_speed: np.ndarray, noct: float) -> dict[str, Any]:
     return {"noct": np.full_like(wind_speed, 1.0 / 800.0), "wind_speed": 0.0}
 
 

@@ -121,7 +121,7 @@ def as_text(table: pd.DataFrame) -> str:
     return "\n".join(lines)
 
 
-def wrapped_lines(name: str, words: str) -> list:
+def wrapped_lines(name: str, words: str) -> list[str]:
     return textwrap.wrap(f"{name}: {words}", 88, subsequent_indent="  ")
 
 

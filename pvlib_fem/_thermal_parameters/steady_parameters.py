@@ -293,7 +293,7 @@ def steady_rows(steady: Any, chosen: list) -> Iterator:
             yield of_cell(steady, one.name, like)
 
 
-def joined_notes(*notes: str) -> Any:
+def joined_notes(*notes: str) -> str:
     """
     Notes in one line, without those that are empty.
 

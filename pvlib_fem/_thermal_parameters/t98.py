@@ -128,7 +128,7 @@ def whole_years(measured: Measured, module: pd.Series, dates: np.ndarray) -> lis
     return [float(one.quantile(SHARE)) for _, one in years if len(one) >= full]
 
 
-def t98_of_years(years: list) -> Any:
+def t98_of_years(years: list) -> dict[str, Any]:
     """T98 of a typical year: the mean over the years of the record."""
     many, spread = len(years), np.std(years, ddof=1)
     return dict(
@@ -140,7 +140,7 @@ def t98_of_years(years: list) -> Any:
     )
 
 
-def t98_of_weather(steady: Any, weather: pd.DataFrame) -> Any:
+def t98_of_weather(steady: Any, weather: pd.DataFrame) -> dict[str, Any]:
     """T98 of a year of weather, modelled by the fit."""
     fit, model = steady.fit, steady.fit.thermal_model
     there = with_aliases(weather, (*model.usual, *model.drivers))
@@ -163,7 +163,7 @@ def t98_of_weather(steady: Any, weather: pd.DataFrame) -> Any:
     return dict(value=value, stderr=error, freedom=fit.train_days - 1.0, note=note)
 
 
-def module_class_note(value: float) -> Any:
+def module_class_note(value: float) -> str:
     """The required class of modules."""
     for most, words in LEVELS.items():
         if value <= most:

@@ -147,7 +147,7 @@ class Driver(str):
         return driver
 
 
-def constants(name: str) -> dict:
+def constants(name: str) -> dict[str, float]:
     """
     Constants of a driver and of the drivers that it needs, with their values.
 
@@ -243,7 +243,7 @@ SHORT = {"wetness": "drying"}
 THROUGHOUT = ("days_since_rain", "frost_past_day", "power_off_dc", "power_off_ac")
 
 
-def drivers_with_memory(names: Sequence) -> list:
+def drivers_with_memory(names: Sequence) -> list[str]:
     """
     Drivers among these, or needed by them, that depend on other rows.
 
@@ -264,7 +264,7 @@ def drivers_with_memory(names: Sequence) -> list:
     return drivers
 
 
-def underived(names: Sequence) -> list:
+def underived(names: Sequence) -> list[str]:
     """
     Underived columns that drivers need, each once.
 
@@ -302,7 +302,7 @@ def short_memory(name: str) -> float | None:
     return constants(name)[constant] if constant else None
 
 
-def lost_without(name: str) -> tuple:
+def lost_without(name: str) -> tuple[str, ...]:
     """
     Columns without which a row has no value of a derived driver.
 
@@ -333,7 +333,7 @@ def is_modelled(names: Sequence[str]) -> bool:
     return not {*MODELLED}.isdisjoint(underived(names))
 
 
-def needed_for(names: Sequence) -> list:
+def needed_for(names: Sequence) -> list[str]:
     """
     Measured columns that drivers need in addition to the usual three.
 

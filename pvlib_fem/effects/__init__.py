@@ -109,7 +109,7 @@ def find(effect: EffectLike, own: Iterable[Effect] = ()) -> Effect:
     return known[name].made(**settings)
 
 
-def several(effects: Any) -> list:
+def several(effects: Any) -> list[Any]:
     """
     One or more effects, or their names, as a list.
 

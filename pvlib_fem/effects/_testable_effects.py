@@ -115,7 +115,7 @@ def candidates_about_axis(effects: list, axis_azimuth: Any) -> tuple[list, dict]
     return about_axis(kept, axis_azimuth), notes
 
 
-def missing_columns(effect: Effect, drivers: dict, absent: Any) -> list:
+def missing_columns(effect: Effect, drivers: dict, absent: Any) -> list[str]:
     """Columns that an effect needs and a record does not have."""
     usual = [name for name in underived(effect.drivers) if name in absent]
     return usual + [n for n in needed_for(effect.drivers) if n not in drivers]
@@ -137,7 +137,7 @@ def why_not(effect: Effect, drivers: dict, refused: dict, absent: Any) -> Becaus
     return joined_reasons(why)
 
 
-def measured_for(effect: Effect) -> list:
+def measured_for(effect: Effect) -> list[str]:
     """Columns that any variant of an effect needs."""
     return [n for variant in effect.forms for n in needed_for(variant.drivers)]
 
