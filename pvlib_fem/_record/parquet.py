@@ -346,7 +346,8 @@ def open_parquet(
     files, filesystem = found_files(data)
     footers = [*footers_of(files, filesystem, time)]
     if not footers:
-        raise ValueError(f"no row is in {files[0]} and {len(files) - 1} other files")
+        more = f" and {len(files) - 1:,} other files" if len(files) > 1 else ""
+        raise ValueError(f"no row is in {files[0]}{more}; give files with rows")
     footers.sort(key=lambda footer: min(group.first for group in footer.groups))
     zone, unit = common_times(footers)
     if tz is not None:

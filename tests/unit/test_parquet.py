@@ -230,3 +230,13 @@ def test_rows_without_a_time_are_left_out_by_an_option(data, tmp_path):
     assert record.notes[0].startswith("rows without a time, left out: 6, the first in")
     fit = fem.fit_fem(record)
     assert record.notes[0] in fit.notes
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_files_without_rows_are_counted(tmp_path, count):
+    nothing = fem.datasets.synthetic(1, 600).iloc[:0]
+    for number in range(count):
+        nothing.to_parquet(tmp_path / f"{number}.parquet")
+    more = f" and {count - 1} other files" if count > 1 else ""
+    with pytest.raises(ValueError, match=rf"no row is in .*0.parquet{more}; give"):
+        fem.open_parquet(tmp_path)
