@@ -32,6 +32,12 @@ if TYPE_CHECKING:
     from pvlib_fem._loop.loop_result import Loop
 
 PATTERN = "unexplained pattern"
+#: inputs of the past hours, which no one can look up at a site
+STORED = ("poa_stored_1h", "poa_stored_3h", "air_stored")
+MEASURE_STORE = (
+    "Measure the temperature of what stores heat near the modules for hours, such as "
+    "the roof, the ground or the cavity behind them"
+)
 HALF = 0.5  # of its days, on which modules stand out that do not stand with a sensor
 STUCK = "sensor_stuck"  # cause of a tracker's irradiance sensor that does not turn
 #: what a statement has of its first clause
@@ -225,6 +231,7 @@ def pattern_statement(finding: Finding, predicted: bool = False) -> Statement:
     """
     mean = finding.coefficients.get("mean", np.nan)
     way = "warmer" if mean > 0 else "colder"
+    follows_past = any(name in STORED for name in finding.where)
     return Statement(
         cause=finding.effect,
         device=PATTERN,
@@ -234,7 +241,11 @@ def pattern_statement(finding: Finding, predicted: bool = False) -> Statement:
             f"{finding.place}, where the modules are {abs(mean):.2f} K {way} than "
             "modelled"
         ),
-        action=f"Record a quantity that changes {finding.place}",
+        action=(
+            MEASURE_STORE
+            if follows_past
+            else f"Record a quantity that changes {finding.place}"
+        ),
         certainty="No known cause; loop.predict includes it" * predicted,
         gain=finding.gain,
         value=mean,

@@ -25,12 +25,14 @@ from test_instruments import DATES
 
 import pvlib_fem as fem
 from pvlib_fem import simulator
-from pvlib_fem._findings import Kind, Member, Verdict
+from pvlib_fem._findings import Finding, Kind, Member, Verdict
 from pvlib_fem._statements.causes import READS, SPECIAL, clause_of, reading_of
 from pvlib_fem._statements.loop_summary import LINES, WIDTH, findings
+from pvlib_fem._statements.make import pattern_statement
 from pvlib_fem._statements.statement import Statement
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.effects._time_profiles import dates_in_words
+from pvlib_fem.reasons import Reason, because
 
 DEVICES = {
     "poa_global": "irradiance sensor",
@@ -119,6 +121,25 @@ def test_the_days_between_which_a_fault_began_follow_its_first_day(end, last):
     dates = {"start": "2023-08-07", "between": ("2023-07-31", "2023-08-10"), "end": end}
     words = f"2023-08-07 (2023-07-31 to 2023-08-10) until {last}"
     assert dates_in_words(dates) == words
+
+
+@pytest.mark.parametrize(
+    "name, action",
+    [
+        ("hour", "Record a quantity that changes between 7 and 9"),
+        ("poa_stored_3h", "Measure the temperature of what stores heat"),
+        ("air_stored", "Measure the temperature of what stores heat"),
+    ],
+)
+def test_a_pattern_of_past_hours_asks_for_what_stores_heat(name, action):
+    """The irradiance of the past three hours is no quantity that one can look up."""
+    pattern = Finding(
+        *(name, (name,), Verdict.UNEXPLAINED, 0.3, {"mean": 1.0}, {}),
+        because=because(Reason.UNEXPLAINED, gain=0.3, where="between 7 and 9"),
+        where={name: (7.0, 9.0)},
+        place="between 7 and 9",
+    )
+    assert pattern_statement(pattern).action.startswith(action)
 
 
 def test_an_ambiguous_finding_names_all_causes_and_what_would_decide(ambiguous):  # noqa: F811
