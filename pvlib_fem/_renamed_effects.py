@@ -144,18 +144,17 @@ def fields_in_new_names(renamed: Mapping[str, str]) -> Callable[[T], T]:
     """
 
     def decorator(kind: T) -> T:
-        def former(old: str) -> property:
-            def value(self: Any) -> Any:
-                warn_of_new_name(f"{kind.__name__}.{old}", renamed[old])
-                return getattr(self, renamed[old])
+        def former(self: Any, name: str) -> Any:
+            if name not in renamed:
+                words = f"{kind.__name__!r} object has no attribute {name!r}"
+                raise AttributeError(words)
+            warn_of_new_name(f"{kind.__name__}.{name}", renamed[name])
+            return getattr(self, renamed[name])
 
-            return property(value, doc=f"The former name of ``{renamed[old]}``.")
-
-        as_made: Any = kind
-        as_made.__init__ = arguments_in_new_names(renamed)(as_made.__init__)
-        as_made.renamed_in_file = dict(renamed)
-        for old in renamed:
-            setattr(kind, old, former(old))
+        changed: Any = kind
+        changed.__init__ = arguments_in_new_names(renamed)(changed.__init__)
+        changed.__getattr__ = former  # of names that are no fields
+        changed.renamed_in_file = dict(renamed)
         return kind
 
     return decorator
