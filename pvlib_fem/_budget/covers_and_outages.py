@@ -272,7 +272,7 @@ def bridged(state: np.ndarray, breaks: np.ndarray) -> np.ndarray:
     return state
 
 
-def event_spans(kinds: np.ndarray) -> list:
+def event_spans(kinds: np.ndarray) -> list[tuple[int, int]]:
     """From and to (exclusive) of each event; one hour of another kind is bridged."""
     spans = []
     for start, end in runs(kinds):

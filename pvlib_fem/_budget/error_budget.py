@@ -203,7 +203,9 @@ def budget_weeks(
     )
 
 
-def residual_by_scale(record: Record, residual: np.ndarray, rows: np.ndarray) -> dict:
+def residual_by_scale(
+    record: Record, residual: np.ndarray, rows: np.ndarray
+) -> dict[str, float]:
     """Mean square of the residual on some rows, by time scale."""
     hours = record.index[rows].hour.to_numpy()
     times = record.inputs.seconds[rows], record.inputs.step

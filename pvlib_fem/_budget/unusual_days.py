@@ -18,7 +18,7 @@ TAILS = (1.0, 1.345)
 
 def episodes(
     residual: np.ndarray, dates: np.ndarray, sunny: np.ndarray, chance: float
-) -> list:
+) -> list[tuple[int, int]]:
     """
     Stretches of days with an unusual residual.
 
@@ -110,7 +110,9 @@ def sums_of(values: np.ndarray, days: np.ndarray, length: int) -> np.ndarray:
     return np.where(span < 2 * length, sums, 0.0)
 
 
-def sum_thresholds(apart: np.ndarray, days: np.ndarray, chance: float) -> dict:
+def sum_thresholds(
+    apart: np.ndarray, days: np.ndarray, chance: float
+) -> dict[int, float]:
     """Threshold of a sum of days, by number of days, that noise exceeds by chance."""
     half, most = np.quantile(np.abs(apart), [0.5, 0.9])
     if not half > 0.0:
@@ -157,7 +159,7 @@ def grown_stretch(
     return int(strong[first]), int(strong[last]) + 1
 
 
-def merged_stretches(ends: list) -> list:
+def merged_stretches(ends: list[tuple[int, int]]) -> list[tuple[int, int]]:
     """Merge stretches that touch or overlap."""
     merged = []
     for first, last in ends:

@@ -189,7 +189,7 @@ def said_all(
     return {name: written_argument(value) for name, value in said.items()}
 
 
-def digest(data: pd.DataFrame) -> Any:
+def digest(data: pd.DataFrame) -> str:
     """
     Sha256 of a frame's times, names and values.
 

@@ -162,7 +162,7 @@ def injectable_effects(
     return injectable, {name: str(why) for name, why in notes.items()}
 
 
-def needs_nothing(make: Any) -> Any:
+def needs_nothing(make: Any) -> bool:
     """Whether all settings that a scan would find have defaults."""
     rows = inspect.signature(make).parameters.values()
     return all(row.default is not row.empty for row in rows)
@@ -243,7 +243,9 @@ def drawn_episode(days: np.ndarray, side: int, random: np.random.Generator) -> A
     return {"start": date_text(days[start]), "end": date_text(days[start + length])}
 
 
-def drawn_drift(days: np.ndarray, side: int, random: np.random.Generator) -> Any:
+def drawn_drift(
+    days: np.ndarray, side: int, random: np.random.Generator
+) -> dict[str, str]:
     """A trend from the first day on."""
     return {"since": date_text(days[0])}
 

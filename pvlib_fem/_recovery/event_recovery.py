@@ -140,7 +140,7 @@ class Event:
     power: float  # that remains
     change: np.ndarray  # of the module's temperature [K]
 
-    def row(self, events: Any) -> Any:
+    def row(self, events: pd.DataFrame) -> dict[str, Any]:
         """What was put in, and whether it is among some events."""
         first, last = self.times[0], self.times[-1]
         shared = [
@@ -164,7 +164,7 @@ class Plant:
     taken: frozenset  # days with events of the record's own
 
     @classmethod
-    def from_loop(cls, search: Search, loop: Loop) -> Any:
+    def from_loop(cls, search: Search, loop: Loop) -> "Plant":
         case = search.case
         record: Any = loop.fit.record
         powers = [*plant_power(record, case.criteria.max_missing_share)]
@@ -196,7 +196,7 @@ class Plant:
         hours: Any,
         draws: Any,
         random: np.random.Generator,
-    ) -> Any:
+    ) -> list[Event]:
         """Events of an effect on days that have room for it."""
         events, used = [], set(self.taken)
         per_hour = max(round(3600.0 / self.record.inputs.step), 1)
@@ -222,7 +222,9 @@ class Plant:
             )
         return sorted(events, key=lambda event: event.rows[0])
 
-    def event(self, name: str, rows: Any, size: float, number: Any) -> Any:
+    def event(
+        self, name: str, rows: np.ndarray, size: float, number: int
+    ) -> Event | None:
         """An event of that size on some rows, or None where it is not possible."""
         share = size / abs(float(self.dark[rows].mean()))
         low, high = HEATS if name == "outage" else LOSES
@@ -239,7 +241,7 @@ class Plant:
             light, change = 1.0, -change
         return Event(name, rows, times, hours, size, light, power, change)
 
-    def put(self, data: pd.DataFrame, event: Any) -> None:
+    def put(self, data: pd.DataFrame, event: Event) -> None:
         """Change a frame by an event, in place."""
         labels = {printable(label): label for label in data}
         rows = np.zeros(len(self.record.index), dtype=bool)

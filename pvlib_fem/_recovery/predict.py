@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -135,7 +134,7 @@ class Look:
         return False
 
 
-def on_same_days(one: Effect, other: Any, days: np.ndarray) -> Any:
+def on_same_days(one: Effect, other: Effect, days: np.ndarray) -> bool:
     """Whether two effects of a name are on about the same days, if they have any."""
     return not other.sensor_fault or same_days(other, one, days)
 

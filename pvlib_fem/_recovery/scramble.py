@@ -40,7 +40,7 @@ class Scrambler:
     @classmethod
     def from_loop(
         cls, search: Search, loop: Loop, injector: Any, data: pd.DataFrame, holdout: Any
-    ) -> Any:
+    ) -> "Scrambler":
         """The scrambler of a finished search."""
         record, known = loop.timed(data)
         measured = record[labels_of(record)["temp_module"]]

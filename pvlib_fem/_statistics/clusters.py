@@ -76,7 +76,7 @@ class ClusterSums:
         sums = submatrices(self.sums, [*kept, self.sums.shape[1] - 1])
         return replace(self, sums=sums, scale=self.scale[kept])
 
-    def on(self, days: np.ndarray) -> Any:
+    def on(self, days: np.ndarray) -> "ClusterSums":
         """Sums of some days, by their places."""
         picked = {name: getattr(self, name)[days] for name in ("folds", "weeks")}
         return replace(self, sums=self.sums[days], **picked)
@@ -316,7 +316,7 @@ def days_of_folds(dates: np.ndarray, folds: int = FOLDS) -> np.ndarray:
     return np.unique(grouped, return_inverse=True)[1] % folds
 
 
-def date_starts(dates: np.ndarray) -> Any:
+def date_starts(dates: np.ndarray) -> tuple[np.ndarray, list[int]]:
     """
     First row of each date, and the row after its last.
 

@@ -27,7 +27,7 @@ def as_normal(statistic: Any, draws: Any) -> Any:
     return float(-ndtri(stdtr(draws, -statistic)))
 
 
-def rounded_argmax(gains: Any) -> Any:
+def rounded_argmax(gains: Any) -> int:
     """
     Place of the first gain that equals the largest within rounding errors.
 

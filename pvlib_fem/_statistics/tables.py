@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 
@@ -77,7 +76,7 @@ class Table:
         return (self.shares * self.means)[self.groups]
 
     @property
-    def free(self) -> Any:
+    def free(self) -> np.ndarray:
         """Share of the mean of each cell that whitening removes."""
         return 1.0 - np.sqrt(1.0 - self.shares)
 
@@ -115,7 +114,7 @@ class Table:
         return tuple(places)
 
     @property
-    def drivers(self) -> tuple:
+    def drivers(self) -> tuple[str, ...]:
         return tuple(place.driver for place in self.places)
 
     @property
@@ -238,7 +237,7 @@ def cell_numbers(axes: tuple) -> tuple[np.ndarray, int]:
     return one.bins * wide + two.bins, len(one.labels) * wide
 
 
-def axes_and_pairs(axes: list) -> list:
+def axes_and_pairs(axes: list) -> list[tuple]:
     """
     Each axis, and each pair of axes with different names.
 
