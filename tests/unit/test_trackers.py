@@ -630,8 +630,10 @@ def test_a_wrong_tracker_in_the_table_is_refused(tmp_path, cells, words):
         fem.fleet.run(table, tmp_path, workers=0)
 
 
-@pytest.mark.parametrize("name", ["surface_tilt", "tracker_theta"])
-@pytest.mark.parametrize("text", ["flat", "30.0"])
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [("surface_tilt", "flat"), ("tracker_theta", "flat"), ("tracker_theta", "30.0")],
+)
 def test_a_text_among_angles_is_named(record, plain, name, text):
     angles = record["surface_tilt"].astype(object)
     angles.iloc[7] = text
