@@ -275,11 +275,11 @@ import os, pathlib
 import pvlib_fem as fem
 from pvlib_fem._recovery import recover as room
 
-def searched(*args, search=room.searched, **how):
+def searched(*args, search=room.finished_search, **how):
     pathlib.Path({folder!r}, str(os.getpid())).touch()
     return search(*args, **how)
 
-room.searched = searched
+room.finished_search = searched
 data = fem.simulator.record(days=70, step=3600)
 room.recover_effects(data, "module_offset_step", sizes=[3], draws=2, processes=2)
 """
