@@ -164,11 +164,11 @@ def test_a_file_and_a_line_make_an_effect(tmp_path):
         drivers.write(f"\n\n{driver}\n\n{row}")
     script = (
         "import effects_page, pvlib_fem, numpy as np;"
-        "from pvlib_fem.drivers import completed, needed_for;"
+        "from pvlib_fem.drivers import derive_drivers, needed_for;"
         "from pvlib_fem._record.inputs import read;"
         "assert needed_for(['water_excess']) == ['temp_water'];"
         "data = {'temp_water': np.array([9., 9.]), 'temp_air': np.array([5., 6.])};"
-        "found = completed(read(data, step=60.0), ['water_excess']);"
+        "found = derive_drivers(read(data, step=60.0), ['water_excess']);"
         "assert (found['water_excess'] == [4, 3]).all();"
         "effects_page.write('.')"
     )
