@@ -122,10 +122,12 @@ class Modelled:
         coefficients: dict[str, float],
     ) -> "Modelled":
         (poa, air, wind), drivers = loop.inputs(frame, model.drivers)
-        found = model.predict(poa, air, wind, coefficients=coefficients, **drivers)
+        temperature = model.predict(
+            poa, air, wind, coefficients=coefficients, **drivers
+        )
         columns = {"poa_global": poa, "temp_air": air, **drivers}
         columns["wind_speed"] = 0.0 if wind is None else wind
-        return cls(model, coefficients, columns, found.to_numpy())
+        return cls(model, coefficients, columns, temperature.to_numpy())
 
     def received(self, effect: Effect) -> np.ndarray:
         """Irradiance that the modules receive in addition to the reading. [W/m²]"""

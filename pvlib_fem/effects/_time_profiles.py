@@ -38,12 +38,12 @@ def day_number(date: str) -> float:
     """
     words = f"{date!r} is no date; give one such as '2012-04-01'"
     try:
-        found = (pd.Timestamp(date) - pd.Timestamp(0)) / pd.Timedelta("1D")
+        days = (pd.Timestamp(date) - pd.Timestamp(0)) / pd.Timedelta("1D")
     except (TypeError, ValueError) as error:
         raise ValueError(words) from error
-    if pd.isna(found):  # of "NaT", or an empty text
+    if pd.isna(days):  # of "NaT", or an empty text
         raise ValueError(words)
-    return found
+    return days
 
 
 def date_text(day: float) -> str:
