@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from pvlib_fem._report.formatting import two_digits
+
 if TYPE_CHECKING:
     from pvlib_fem._loop.loop_result import Loop
 
@@ -84,7 +86,7 @@ def all_of(events: pd.DataFrame) -> str:
     energy = events["energy"].sum(skipna=False)  # files of before do not have it
     if np.isfinite(energy):
         _, _, what = WORDS[events["effect"].iloc[0]]
-        words += f", {energy:.2g} kWh/kWp {what}"
+        words += f", {two_digits(energy)} kWh/kWp {what}"
     return words
 
 

@@ -11,6 +11,7 @@ import pvlib_fem as fem
 from pvlib_fem._budget.covers_and_outages import Hours, rows_of_events
 from pvlib_fem._budget.stretch_noise import DayNoise, Noise
 from pvlib_fem._findings import Verdict
+from pvlib_fem._report.event_text import all_of
 from pvlib_fem.simulator import PHYSICS
 
 SEED = 4
@@ -386,3 +387,8 @@ def test_power_that_shows_no_event_is_named(clean, words, tmp_path):
     loop.to_json(tmp_path / "loop.json")
     again = fem.Loop.from_json(tmp_path / "loop.json")
     pd.testing.assert_frame_equal(again.events, loop.events)
+
+
+def test_the_energy_of_events_has_two_digits_and_no_exponent():
+    rows = dict(effect="outage", hours=[6, 4], share=[0.01, 0.02], energy=[120.0, 92.0])
+    assert all_of(pd.DataFrame(rows)).endswith(", 210 kWh/kWp lost")
