@@ -18,7 +18,7 @@ from pvlib_fem._thermal.model import thermal_model
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
 from pvlib_fem.paper._comparison import FITTED, STEPS, Comparison
 from pvlib_fem.paper._recipe import METHODS, MODELS, paper_stages
-from pvlib_fem.paper.comparators import COMPARATORS, fit_comparator
+from pvlib_fem.paper.comparators import COMPARATORS, fitted
 from pvlib_fem.quality._screen import screened
 
 SCORES = {score.__name__: score for score in (scores.rmse, scores.mae, scores.mbe)}
@@ -214,7 +214,7 @@ class Case:
                 pd.Series(columns[column], self.record.index)
                 for column in (*needed, "temp_module")
             )
-            values = fit_comparator(comparator, inputs, module, self.train)
+            values = fitted(comparator, inputs, module, self.train)
             answer = comparator.function(*inputs, **values).to_numpy()
         except ValueError as error:
             self.failed(name, error, (FITTED,))

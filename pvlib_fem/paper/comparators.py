@@ -293,9 +293,7 @@ COMPARATORS = {
 }
 
 
-def fit_comparator(
-    comparator: Any, drivers: Any, temp_module: pd.Series, rows: Any
-) -> dict:
+def fitted(comparator: Any, drivers: Any, temp_module: pd.Series, rows: Any) -> dict:
     """
     Coefficients of a comparator by least squares over some rows.
 

@@ -16,7 +16,7 @@ from pvlib_fem.paper import comparators
 from pvlib_fem.paper.comparators import (
     COMPARATORS,
     armstrong_hurley_tau,
-    fit_comparator,
+    fitted,
 )
 
 SAPM = dict(a=-3.47, b=-0.0594)
@@ -109,7 +109,7 @@ def test_a_comparator_finds_its_own_coefficients(fortnight, name):
     drivers = [fortnight[column] for column in (*DRIVERS, *comparator.columns)]
     module = comparator.function(*drivers, **truth)
     module += np.random.default_rng(0).normal(0, 0.1, len(module))
-    found = fit_comparator(comparator, drivers, module, slice(None))
+    found = fitted(comparator, drivers, module, slice(None))
     assert found == pytest.approx(truth, rel=0.02)
 
 
@@ -121,9 +121,9 @@ def test_a_fine_record_is_fitted_in_means_where_a_comparator_says_so(month):
     rows = np.zeros(len(fine), bool)
     rows[300:] = True
     drivers, module = [fine[n] for n in DRIVERS], fine["temp_module"]
-    found = fit_comparator(comparator, drivers, module, rows)
+    found = fitted(comparator, drivers, module, rows)
     coarse = [fine[n].resample("60s").mean() for n in COLUMNS]
-    expected = fit_comparator(
+    expected = fitted(
         comparator, coarse[:3], coarse[3], np.arange(len(coarse[0])) >= 100
     )
     assert found == pytest.approx(expected, rel=1e-6)

@@ -208,7 +208,7 @@ def test_what_is_in_no_catalogue_is_said_to_be_unknown():
 
 def test_with_its_column_it_is_found_by_name():
     data = hidden("weekend_exhaust")
-    heat = simulator._schedules.undeclared(
+    heat = simulator._schedules.undeclared_heat(
         data.index,
         data["temp_air"].to_numpy(),
         simulator._switches.amplitudes({"weekend_exhaust": 1.0}),

@@ -1,6 +1,5 @@
 """What the loop finds in two measured records of years, and the pages that tell it."""
 
-import re
 import runpy
 import warnings
 from pathlib import Path
@@ -116,8 +115,11 @@ def test_the_readme_opens_with_what_the_loop_says_of_bolzano(at_bolzano, bolzano
     before, after = share["2011-04":"2012-03"], share["2012-04":"2013-03"]
     assert after.median() / before.median() == pytest.approx(1.2, abs=0.02)
     (check,) = (one for one in step.cross_checks if one.column == "power_dc")
-    size, needed = re.findall(r"by (.+? %) from the sensor; (.+? %) are", str(check))[0]
-    assert f"irradiance deviate by {size} where it would need {needed}." in text
+    expected = check.in_words(check.reading(check.expected))
+    words_of = (
+        f"by power the sensor reads {check.reads} where {expected} would be needed."
+    )
+    assert words_of in text
     kinds = {name.rsplit("_", 1)[0] for name in step.candidates}
     assert step.verdict is Verdict.AMBIGUOUS
     assert kinds == {"module_sensor_contact", "mounting", "air_sensor_shield"}
