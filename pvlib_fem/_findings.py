@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from pvlib_fem._converter import AnyFloat
-from pvlib_fem._renamed_effects import warn_of_new_name
+from pvlib_fem._renamed_effects import fields_in_new_names
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.reasons import Because
@@ -126,6 +126,7 @@ VERBS = {
 }
 
 
+@fields_in_new_names({"opinion": "outcome"})
 @dataclass(frozen=True)
 class CrossCheck:
     """
@@ -155,13 +156,6 @@ class CrossCheck:
     expected: float
     outcome: CheckOutcome
     unit: str = "-"
-    renamed_in_file: ClassVar = {"opinion": "outcome"}
-
-    @property
-    def opinion(self) -> CheckOutcome:
-        """The former name of ``outcome``."""
-        warn_of_new_name("CrossCheck.opinion", "outcome")
-        return self.outcome
 
     @property
     def reads(self) -> str:
@@ -240,6 +234,7 @@ class Member:
     ranges: dict[str, tuple[float, float]]
 
 
+@fields_in_new_names({"witnesses": "cross_checks", "heard": "conclusive_checks"})
 @dataclass(frozen=True)
 class Finding:
     """
@@ -297,7 +292,6 @@ class Finding:
     probabilities: dict[str, float] = field(default_factory=dict)
     members: dict[str, Member] = field(default_factory=dict)
     also_in_file: ClassVar = ("why",)
-    renamed_in_file: ClassVar = {"witnesses": "cross_checks"}
 
     @property
     def why(self) -> str:
@@ -321,18 +315,6 @@ class Finding:
             for check in self.cross_checks
             if check.outcome is not CheckOutcome.CANNOT_TELL
         )
-
-    @property
-    def witnesses(self) -> tuple[CrossCheck, ...]:
-        """The former name of ``cross_checks``."""
-        warn_of_new_name("Finding.witnesses", "cross_checks")
-        return self.cross_checks
-
-    @property
-    def heard(self) -> tuple[CrossCheck, ...]:
-        """The former name of ``conclusive_checks``."""
-        warn_of_new_name("Finding.heard", "conclusive_checks")
-        return self.conclusive_checks
 
     @property
     def failed(self) -> Check | None:

@@ -1,7 +1,7 @@
 """Compare the findings of a loop with an injected effect and with the baseline."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -10,12 +10,13 @@ from pvlib_fem._converter import AnyFloat
 from pvlib_fem._findings import Finding, Verdict
 from pvlib_fem._loop.close import close_loop
 from pvlib_fem._recovery.draw import Injection, holds_truth
-from pvlib_fem._renamed_effects import warn_of_new_name
+from pvlib_fem._renamed_effects import fields_in_new_names
 from pvlib_fem.effects._effect import Effect
 
 INTERVAL = 1.96  # standard errors of 95 %
 
 
+@fields_in_new_names({"named": "identified", "told": "reported"})
 @dataclass(frozen=True)
 class Outcome:
     """
@@ -63,19 +64,6 @@ class Outcome:
     in_range: AnyFloat = np.nan
     half_range: AnyFloat = np.nan
     refused: str = ""
-    renamed_in_file: ClassVar = {"named": "identified", "told": "reported"}
-
-    @property
-    def named(self) -> bool:
-        """The former name of ``identified``."""
-        warn_of_new_name("Outcome.named", "identified")
-        return self.identified
-
-    @property
-    def told(self) -> tuple[str, ...]:
-        """The former name of ``reported``."""
-        warn_of_new_name("Outcome.told", "reported")
-        return self.reported
 
 
 def recovered(

@@ -2,14 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from pvlib_fem._findings import Verdict
 from pvlib_fem._loop.close import close_loop
-from pvlib_fem._renamed_effects import warn_of_new_name
+from pvlib_fem._renamed_effects import fields_in_new_names
 from pvlib_fem._statistics.jeffreys import rate_between, share_between
 
 CLEARLY = 1.5  # multiple of the predicted size from which nearly all should be found
@@ -19,6 +19,7 @@ COLUMNS += ("reliable_to",)
 COUNTS = ("injections", "found", "trials", "false")
 
 
+@fields_in_new_names({"named": "identified", "classes": "ambiguous"})
 @dataclass(frozen=True)
 class Trial:
     """
@@ -48,19 +49,6 @@ class Trial:
     identified: tuple[str, ...] = ()
     ambiguous: tuple[str, ...] = ()
     refused: str = ""
-    renamed_in_file: ClassVar = {"named": "identified", "classes": "ambiguous"}
-
-    @property
-    def named(self) -> tuple[str, ...]:
-        """The former name of ``identified``."""
-        warn_of_new_name("Trial.named", "identified")
-        return self.identified
-
-    @property
-    def classes(self) -> tuple[str, ...]:
-        """The former name of ``ambiguous``."""
-        warn_of_new_name("Trial.classes", "ambiguous")
-        return self.ambiguous
 
     @property
     def key(self) -> tuple[str, int]:

@@ -82,24 +82,26 @@ def energies(loop: "Loop", gamma: float = GAMMA) -> dict[str, float]:
     record = loop.fit.record
     if record is None:
         return {}
-    changes = clock_energy(loop, record, gamma) | days(loop, record, gamma)
+    per_kelvin = kilowatt_hours(record.inputs) * gamma
+    changes = clock_energy(loop, record, per_kelvin) | days(loop, record, per_kelvin)
     if not (loop.fit.effects or loop.patterns or loop.hint_effects):
         return changes
     record = coarse(record, STEP)
-    frame = record.inputs.frame()
+    light, frame = kilowatt_hours(record.inputs), record.inputs.frame()
     parts = loop.contributions(frame, correct_times=False)
     model = Modelled.from_loop(
         loop, frame, loop.fit.thermal_model, loop.fit.coefficients
     )
     for effect in loop.fit.effects:
-        change = change_by(effect, parts[effect.name].to_numpy(), model, record, gamma)
+        warmer = parts[effect.name].to_numpy()
+        change = change_by(effect, warmer, model, record, light, gamma)
         changes[effect.name] = per_year(record, change)
     for name, error in loop.errors_by_pattern(frame).items():
-        change = kilowatt_hours(record.inputs) * gamma * error.to_numpy()
+        change = light * gamma * error.to_numpy()
         changes[str(name)] = per_year(record, change)
     for effect, other in with_hints(loop, frame):
         warmer = other.temperature - model.temperature
-        change = change_by(effect, warmer, other, record, gamma)
+        change = change_by(effect, warmer, other, record, light, gamma)
         changes[effect.name] = per_year(record, change)
     return changes
 
@@ -154,10 +156,15 @@ def with_hints(loop: "Loop", frame: pd.DataFrame) -> Iterator[tuple[Effect, Mode
 
 
 def change_by(
-    effect: Effect, warmer: np.ndarray, modelled: Modelled, record: Record, gamma: float
+    effect: Effect,
+    warmer: np.ndarray,
+    modelled: Modelled,
+    record: Record,
+    light: np.ndarray,
+    gamma: float,
 ) -> np.ndarray:
     """Change of the energy of rows by an effect of a model. [kWh/kWp]"""
-    kind, light = effect.sensor_fault or effect.name, kilowatt_hours(record.inputs)
+    kind = effect.sensor_fault or effect.name
     if kind in LIGHT:
         heat = modelled.received(effect)
         more = kilowatt_hours(record.inputs.having({"poa_global": heat}))
@@ -195,28 +202,29 @@ def per_year(record: Record, change: np.ndarray) -> float:
     return float(np.abs(change[known]).sum() * YEAR / days) if days else np.nan
 
 
-def days(loop: "Loop", record: Record, gamma: float) -> dict[str, float]:
+def days(loop: "Loop", record: Record, per_kelvin: np.ndarray) -> dict[str, float]:
     """Of days that stand out, by their mean residual."""
-    changes, light = {}, kilowatt_hours(record.inputs)
+    changes = {}
     dates = record.dates.astype("datetime64[D]")
     for row in loop.episodes.to_dict("records"):
         first, last = (row[name].to_datetime64() for name in ("start", "end"))
         within = (dates >= first) & (dates <= last)
-        change = np.where(within, light * gamma * row["day"], 0.0 * light)
+        change = np.where(within, per_kelvin * row["day"], 0.0 * per_kelvin)
         changes[key_of(DAYS, f"{row['start']:%Y-%m-%d}")] = per_year(record, change)
     return changes
 
 
-def clock_energy(loop: "Loop", record: Record, gamma: float) -> dict[str, float]:
+def clock_energy(
+    loop: "Loop", record: Record, per_kelvin: np.ndarray
+) -> dict[str, float]:
     """Of the clock of the module's logger, where it was corrected."""
     changes = {}
     if loop.times is None or not loop.times.module.fault:
         return changes
-    light = kilowatt_hours(record.inputs)
     seconds, module = record.inputs.seconds, record["temp_module"]
     written = retimed(seconds, module, -loop.times.module.late_at(seconds))
     for one in loop.corrections:
         if one.applied and one.columns == ("temp_module",):
-            change = light * gamma * (written - module)
+            change = per_kelvin * (written - module)
             changes[one.fault] = per_year(record, change)
     return changes

@@ -13,7 +13,7 @@ from pvlib_fem._record.parquet import Block, ParquetRecord
 from pvlib_fem._record.ranges import NO_CODE, as_codes, possible_range
 from pvlib_fem.quality._limits import FASTEST, POSSIBLE, Limits
 from pvlib_fem.quality._outliers import is_switch, jumps
-from pvlib_fem.quality._stray_times import refuse_gap
+from pvlib_fem.quality._stray_times import stray_side
 from pvlib_fem.quality._stuck import DRIVERS, STILL, Standing, whole_run
 
 SOME = 1 << 20  # rows from which the usual values of a column are taken
@@ -215,7 +215,9 @@ class Look:
         """Refuse rows that are years from all others."""
         for row, *ends in self.gaps:
             start, before, after = map(source.time_at, (self.ends[0], *ends))
-            refuse_gap(row, self.rows, start, before, after, limits)
+            words = stray_side(row, self.rows, start, before, after, limits)
+            if words:
+                raise ValueError(words)
 
     def sampled(self, clean: CleanRecord) -> Inputs:
         """Every so many rows of a record, as they are screened so far."""

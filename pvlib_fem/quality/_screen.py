@@ -11,7 +11,7 @@ from pvlib_fem._record.inputs import Columns, Record, read
 from pvlib_fem._record.ranges import range_of
 from pvlib_fem.quality._limits import POSSIBLE, Limits
 from pvlib_fem.quality._screening import KINDS, Screener, fault_sentence
-from pvlib_fem.quality._stray_times import refuse_stray
+from pvlib_fem.quality._stray_times import refuse_stray, stray_rows
 from pvlib_fem.quality._unit_checks import oddities, refuse_doubtful, refuse_units
 
 
@@ -288,10 +288,7 @@ def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening
     others = [printable(label) for label in data if label not in labels.values()]
     others = [name for name in others if range_of(name) is not None]
     odd = [f"{name} is not numeric and was not screened" for name in others]
-    try:
-        refuse_stray(record.index, limits)
-    except ValueError as stray:  # a screening reports it, and refuses nothing
-        odd.append(str(stray))
+    odd += stray_rows(record.index, limits)
     odd += oddities(screening.judged(), limits)
     clipped = screening.rules()
     odd += [f"{name} {reason}" for name, reason in screening.doubts.items()]
