@@ -13,7 +13,7 @@ from typing import Annotated, Any, get_args, get_origin
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._renamed_effects import warn_of_new_name
+from pvlib_fem._former_names import warn_of_new_name
 
 #: a number that may be NaN or infinite; a float is finite
 AnyFloat = Annotated[float, "may be NaN or infinite"]

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from pvlib_fem._converter import AnyFloat
-from pvlib_fem._renamed_effects import fields_in_new_names
+from pvlib_fem._former_names import fields_in_new_names
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.reasons import Because

@@ -15,11 +15,11 @@ from pvlib_fem._fitting.frame_rows import as_frame
 from pvlib_fem._fitting.least_squares_fit import fit_source
 from pvlib_fem._fitting.parquet_fit import fit_files, in_files
 from pvlib_fem._fitting.search import with_fixed
+from pvlib_fem._former_names import keys_in_new_names
 from pvlib_fem._loop.planes import plane_of_columns, with_given
 from pvlib_fem._loop.replacements import Replacements
 from pvlib_fem._record.column_names import ALWAYS, COLUMNS, by_own_names, with_aliases
 from pvlib_fem._record.parquet import ParquetRecord, is_data_set
-from pvlib_fem._renamed_effects import keys_in_new_names
 from pvlib_fem._spelling import (
     LEAST_SQUARES,
     ShellText,

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from pvlib_fem._converter import converter, error_in_words
-from pvlib_fem._renamed_effects import file_in_new_names
+from pvlib_fem._former_names import file_in_new_names
 
 VERSION = 4  # of the format; it changes when a key changes
 NEEDED = object()  # in place of the default of a key that has to be there

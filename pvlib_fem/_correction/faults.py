@@ -6,7 +6,7 @@ from typing import Any
 
 from pvlib_fem._correction.repairs import repair_of
 from pvlib_fem._findings import Finding, Member
-from pvlib_fem._renamed_effects import in_new_names
+from pvlib_fem._former_names import in_new_names
 from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects._effect import Effect
 

@@ -12,6 +12,7 @@ from pvlib.pvsystem import AbstractMount
 from pvlib_fem._findings import CORRECTED, Check, Correction, Finding
 from pvlib_fem._fitting.parquet_fit import in_files
 from pvlib_fem._fitting.stand_ins import stand_in_names
+from pvlib_fem._former_names import arguments_in_new_names, keys_in_new_names
 from pvlib_fem._loop.assemble import loop_of_search
 from pvlib_fem._loop.conclude import as_hint, finding_of
 from pvlib_fem._loop.correct_clock import module_clock
@@ -38,7 +39,6 @@ from pvlib_fem._loop.tangents import Evidence
 from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._record.column_names import printable, with_aliases
 from pvlib_fem._record.parquet import ParquetRecord, as_source, is_data_set
-from pvlib_fem._renamed_effects import arguments_in_new_names, keys_in_new_names
 from pvlib_fem._spelling import written_argument
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import SteadyModel, steady_model

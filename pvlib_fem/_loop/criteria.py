@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from pvlib_fem._renamed_effects import fields_in_new_names
+from pvlib_fem._former_names import fields_in_new_names
 from pvlib_fem.quality._limits import Limits
 
 #: former names of thresholds

@@ -8,9 +8,9 @@ import pandas as pd
 
 from pvlib_fem._converter import AnyFloat
 from pvlib_fem._findings import Finding, Verdict
+from pvlib_fem._former_names import fields_in_new_names
 from pvlib_fem._loop.close import close_loop
 from pvlib_fem._recovery.draw import Injection, holds_truth
-from pvlib_fem._renamed_effects import fields_in_new_names
 from pvlib_fem.effects._effect import Effect
 
 INTERVAL = 1.96  # standard errors of 95 %

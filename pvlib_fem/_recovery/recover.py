@@ -9,6 +9,7 @@ import pandas as pd
 from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
+from pvlib_fem._former_names import keys_in_new_names
 from pvlib_fem._loop.close import Search, finished_search
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.loop_result import Loop
@@ -33,7 +34,6 @@ from pvlib_fem._recovery.predict import predictions
 from pvlib_fem._recovery.recovery_result import Recovery
 from pvlib_fem._recovery.scramble import Scrambler
 from pvlib_fem._recovery.trial import trial_of
-from pvlib_fem._renamed_effects import keys_in_new_names
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers._mounts import plane_of_rows
 from pvlib_fem.effects import EffectLike

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._findings import Verdict
+from pvlib_fem._former_names import fields_in_new_names
 from pvlib_fem._loop.close import close_loop
-from pvlib_fem._renamed_effects import fields_in_new_names
 from pvlib_fem._statistics.jeffreys import rate_between, share_between
 
 CLEARLY = 1.5  # multiple of the predicted size from which nearly all should be found

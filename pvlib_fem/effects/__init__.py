@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from pvlib_fem._renamed_effects import in_new_names
+from pvlib_fem._former_names import in_new_names
 from pvlib_fem._spelling import did_you_mean
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._instruments import SENSOR_FAULTS

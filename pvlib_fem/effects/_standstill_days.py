@@ -66,7 +66,7 @@ class Sums:
 
     @property
     def directed(self) -> tuple[np.ndarray, np.ndarray]:
-        """The same, given an even loss of light on the same days, too."""
+        """Products with residual and itself, given an even loss of light, too."""
         own, both, even = self.given_fit
         even = independent_part(even, self.squares[2])
         alike = np.divide(both, even, out=np.zeros_like(even), where=even > 0.0)

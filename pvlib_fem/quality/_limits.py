@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, fields
 
+from pvlib_fem._former_names import fields_in_new_names
 from pvlib_fem._record.ranges import RANGES
-from pvlib_fem._renamed_effects import fields_in_new_names
 
 #: share of irradiance that a module gives: at its best not below 0.5 %, and never 40 %;
 #: the best give a quarter, and sensors err

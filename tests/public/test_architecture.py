@@ -16,7 +16,7 @@ PACKAGE = Path(pvlib_fem.__file__).parent
 ORDER = (
     "types",
     "_spelling",
-    "_renamed_effects",
+    "_former_names",
     "_parallel",
     "simulator",
     "layers",

@@ -14,6 +14,7 @@ import pvlib_fem as fem
 from pvlib_fem import simulator
 from pvlib_fem._cli import main
 from pvlib_fem._findings import CheckOutcome, CrossCheck, Finding, Verdict
+from pvlib_fem._former_names import in_new_names
 from pvlib_fem._record.column_names import COLUMNS, with_aliases
 from pvlib_fem._record.guess import guess
 from pvlib_fem._record.layout import Layout
@@ -22,7 +23,6 @@ from pvlib_fem._record.parquet import open_parquet
 from pvlib_fem._recovery.draw import Injection
 from pvlib_fem._recovery.judge import Outcome
 from pvlib_fem._recovery.trial import Trial
-from pvlib_fem._renamed_effects import in_new_names
 from pvlib_fem._stored import Stored, as_json
 from pvlib_fem.effects import CHANGES, find
 from pvlib_fem.fleet._systems_table import opened_table, systems_of
