@@ -60,6 +60,7 @@ def corrected_record(
     inside = rows_inside(loop, data.index)
     work = Work(data.copy(), labels, numeric(columns), inside)
     work.clocks(loop)
+    work.detachments(loop)
     work.units(loop)
     work.instruments(loop, faults)
     return work.done()

@@ -22,6 +22,7 @@ from pvlib_fem._record.inputs import read
 from pvlib_fem.drivers import MEASURED, derive_drivers, underived
 from pvlib_fem.effects._effect import Effect, Terms
 from pvlib_fem.quality._clock_changes import wall_time
+from pvlib_fem.quality._detached_sensor import DETACHED
 from pvlib_fem.quality._lag import by_module_logger
 from pvlib_fem.quality._unit_checks import unit_of_driver
 
@@ -178,6 +179,18 @@ class Work:
             words = f"{name}: {fault.why}. Interpolated to the clock of poa_global."
             rows = self.inside & np.isfinite(was)
             self.corrected(fault.fault, name, words, rows, **size)
+
+    def detachments(self, loop: Any) -> None:
+        """Leave out what the module's sensor reads while it is off."""
+        for one in loop.detachments:
+            was = self.columns["temp_module"].to_numpy()
+            rows = self.inside & one.rows_of(self.data.index) & np.isfinite(was)
+            if not rows.any():
+                continue
+            self.put("temp_module", np.where(rows, np.nan, was))
+            words = f"temp_module: the sensor is off {one.when}. Left out."
+            ends = ends_of(wall_time(self.data.index)[rows])
+            self.corrected(DETACHED, "temp_module", words, rows, ends)
 
     def units(self, loop: Any) -> None:
         """Convert drivers whose numbers show another unit."""

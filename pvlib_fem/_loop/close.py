@@ -284,6 +284,7 @@ def finished_search(
         times=times,
         reading=reading,
         standings=case.standings,
+        detachments=case.detachments,
         **replaced,
     )
 

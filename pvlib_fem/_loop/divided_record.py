@@ -17,6 +17,7 @@ from pvlib_fem._record.inputs import Record
 from pvlib_fem._record.resampling import coarse, covered_rows
 from pvlib_fem.drivers import geometry
 from pvlib_fem.effects._effect import Effect
+from pvlib_fem.quality._detached_sensor import Detachment
 from pvlib_fem.quality._lag import by_module_logger
 from pvlib_fem.quality._module_lag import Clock
 from pvlib_fem.quality._tracker_standstill import Standing
@@ -59,6 +60,8 @@ class Case:
     standing: tuple[StandIn, ...] = ()  # columns that stand in for others
     #: days on which the irradiance sensor does not turn
     standings: tuple[Standing, ...] = ()
+    #: times in which the module's temperature sensor is off
+    detachments: tuple[Detachment, ...] = ()
 
     def rows(self, part: Part) -> np.ndarray:
         """Rows of the whole that count for a part."""

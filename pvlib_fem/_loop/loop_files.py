@@ -32,6 +32,7 @@ from pvlib_fem._stored import Stored
 from pvlib_fem._thermal.model_files import content_of, model_of
 from pvlib_fem.drivers._mounts import mount_content, mount_from
 from pvlib_fem.effects import EffectLike
+from pvlib_fem.quality._detached_sensor import Detachment
 from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._tracker_standstill import Standing
 from pvlib_fem.reasons import Because
@@ -88,6 +89,7 @@ def loop_content(loop: "Loop", cell: dict[str, float]) -> dict[str, Any]:
         "stand_ins": loop.stand_ins,
         "reading": loop.reading,
         "standings": loop.standings,
+        "detachments": loop.detachments,
         "patterns": loop.patterns,
         "fit": fit_content(loop.fit, cell),
     }
@@ -145,6 +147,7 @@ def loop_parts(
         stand_ins=content.read("stand_ins", tuple[StandIn, ...], ()),
         reading=content.read("reading", Reading, {}),
         standings=content.read("standings", tuple[Standing, ...], ()),
+        detachments=content.read("detachments", tuple[Detachment, ...], ()),
         patterns=content.read("patterns", tuple[Pattern, ...], ()),
     )
     computed = {

@@ -42,6 +42,7 @@ from pvlib_fem.drivers._mounts import (
 )
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects._effect import Effect
+from pvlib_fem.quality._detached_sensor import Detachment
 from pvlib_fem.quality._tracker_standstill import Standing
 from pvlib_fem.reasons import Because
 from pvlib_fem.scores import GAMMA
@@ -141,6 +142,9 @@ class Loop:
     standings : tuple of Standing
         Days on which the irradiance sensor was stuck, while the record describes a
         plane that turns.
+    detachments : tuple of Detachment
+        Times in which the module's temperature sensor had come off and read the air;
+        its rows are not used.
     patterns : tuple of Pattern
         Repeatable errors without a known cause, which ``predict``, ``residual`` and
         ``contributions`` have; ``fit`` and ``temperature_model`` have not. There are
@@ -175,6 +179,7 @@ class Loop:
     stand_ins: tuple[StandIn, ...] = ()
     reading: Reading = field(repr=False, default_factory=Reading)
     standings: tuple[Standing, ...] = ()
+    detachments: tuple[Detachment, ...] = ()
     patterns: tuple[Pattern, ...] = field(repr=False, default=())
     hint_effects: tuple[Effect, ...] = field(repr=False, default=())
 
@@ -489,9 +494,10 @@ class Loop:
         r"""
         Take the faults of instruments that the loop found out of a record.
 
-        Corrected are the clocks of the file and of the module's logger, the unit of
-        humidity and wind direction, and of the named findings those that are faults of
-        an instrument: the gain of the irradiance sensor (``irradiance_sensor``, and
+        Corrected are the clocks of the file and of the module's logger, the module's
+        temperature while its sensor is off, which is left out, the unit of humidity
+        and wind direction, and of the named findings those that are faults of an
+        instrument: the gain of the irradiance sensor (``irradiance_sensor``, and
         ``soiling`` where the sensor soils), the anemometer (``anemometer``,
         ``anemometer_stall``), the air's thermometer (``air_offset``,
         ``air_sensor_shield``, ``air_shield``) and the module's (``module_offset``,
@@ -737,9 +743,10 @@ class Loop:
         """
         What was found in sentences, a row each, with the numbers in them.
 
-        Clocks and stuck irradiance sensors come first, hints last. Between them are
-        causes in the model, events, unexplained patterns and days that stand out, those
-        that change most energy first.
+        Clocks, module temperature sensors that came off and stuck irradiance sensors
+        come first, hints last. Between them are causes in the model, events,
+        unexplained patterns and days that stand out, those that change most energy
+        first.
 
         Returns
         -------

@@ -25,6 +25,7 @@ from pvlib_fem._statistics.clusters import root_of_decrease
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers._mounts import by_night
 from pvlib_fem.drivers._planes import ANGLES, ByColumns, angles_of_rotation
+from pvlib_fem.quality._detached_sensor import Detachment
 from pvlib_fem.quality._parquet_screen import Screened, screened_blocks
 from pvlib_fem.quality._tracker_standstill import Standing
 from pvlib_fem.reasons import Because, Reason, because
@@ -158,8 +159,10 @@ class OwnSteps:
             record = record.with_columns(JoinedColumns.from_inputs(inputs, missing))
         if {*turning.columns} & {*names}:
             record = record.with_columns(turning)
-        files = first_pass(replace(screened, record=record), target, night=True)
         out = np.unique(case.whole.dates[case.parts != Part.FITTING])
+        if case.detachments:
+            record = record.with_columns(Attached(case.detachments, out))
+        files = first_pass(replace(screened, record=record), target, night=True)
         return fit_in_files(files.without(out), target, list(screened.notes))
 
     def confirmed(self, loop: "Loop") -> "Loop":
@@ -178,6 +181,29 @@ class OwnSteps:
             )
         notes = (*self.screened.notes, line, *loop.notes)
         return replace(loop, notes=notes, own_steps=self.fit)
+
+
+@dataclass(frozen=True, eq=False)
+class Attached:
+    """Module temperature at the own steps of files, where its sensor is on."""
+
+    detachments: tuple[Detachment, ...]
+    test: np.ndarray  # days of the test weeks
+
+    def begun(self) -> Self:
+        """What follows the blocks of a record from the first on."""
+        return self
+
+    def at(self, inputs: Inputs) -> dict[str, np.ndarray]:
+        """Module temperatures at the times of inputs, NaN where the sensor is off."""
+        index = cast(pd.DatetimeIndex, inputs.index)
+        values = np.array(inputs["temp_module"])
+        for one in self.detachments:
+            off = one.rows_of(index)
+            if not one.fitting:
+                off &= np.isin(dates_of(index), self.test)
+            values[off] = np.nan
+        return {"temp_module": values}
 
 
 @dataclass(frozen=True)

@@ -43,6 +43,7 @@ from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._testable_effects import candidates, candidates_about_axis
 from pvlib_fem.quality._check import Health, check
 from pvlib_fem.quality._daylight import Daylight, daylight_saving
+from pvlib_fem.quality._detached_sensor import Detachment, detachments_of
 from pvlib_fem.quality._irradiance_clock import twin_clock
 from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._module_lag import Clock
@@ -74,6 +75,8 @@ class Look:
     odd: tuple[str, ...]  # what looks odd, in sentences
     health: Health
     still: np.ndarray  # test rows of stuck sensors
+    detachments: tuple[Detachment, ...]  # of the module's sensor
+    off: np.ndarray  # rows in which it is off
     kept: np.ndarray  # rows of the file that have a sure time
     filled: Filled  # replacements of missing columns
     site: dict[str, Any]  # with the plane that its columns have
@@ -184,6 +187,7 @@ def prepared_case(
         kept=look.kept,
         notes=(
             *([] if plane is None else [f"the module's plane is estimated: {plane}"]),
+            *map(str, look.detachments),
             *map(str, standings),
             *fitted_weeks(spared),
             *notes_of(look, corrections, wanted, site, criteria),
@@ -193,6 +197,7 @@ def prepared_case(
         transposed=look.filled.horizontal is not None,
         standing=look.filled.standing,
         standings=standings,
+        detachments=look.detachments,
     )
     return divided_case(whole, case)
 
@@ -308,6 +313,7 @@ def screened_frame(
     whole, still, faults, health = with_answer(
         hidden, faults, health, usual, test, limits
     )
+    detachments, off = detached_rows(hidden, whole, test, still, health)
     timed = in_time(hidden, health.clock).inputs
     odd = tuple(oddities(timed, limits, hidden.absent))
     return Look(
@@ -320,10 +326,97 @@ def screened_frame(
         odd=odd,
         health=health,
         still=still,
+        detachments=detachments,
+        off=off,
         kept=np.ones(len(purposes), dtype=bool),
         filled=filled,
         site=site,
     )
+
+
+def detached_rows(
+    hidden: Record,
+    whole: Record,
+    test: np.ndarray,
+    still: np.ndarray,
+    health: Health,
+) -> tuple[tuple[Detachment, ...], np.ndarray]:
+    """
+    Times in which the module's sensor is off, and the rows that are not used.
+
+    As of a stuck sensor, the temperatures of the test rows say it of test rows alone:
+    which fitting rows are used does not depend on them.
+
+    Parameters
+    ----------
+    hidden, whole : Record
+        Screened, without and with the module temperature of the test rows.
+    test, still : array of bool, shape (rows,)
+        Test rows, and those of stuck sensors.
+    health : Health
+        Of the hidden record.
+
+    Returns
+    -------
+    tuple of Detachment
+        By all rows; those that the fitting rows alone show, too.
+    array of bool, shape (rows,)
+    """
+    off = np.zeros(len(test), dtype=bool)
+    found: dict[bool, list[tuple[Detachment, int, int]]] = {}
+    for record, rows in ((hidden, ~test), (whole, test)):
+        stuck = health.mask | still
+        own = record.lacking({"temp_module": stuck}) if stuck.any() else record
+        some = detachments_in(own, health.clock)
+        for _, first, end in some:
+            off[first:end] |= rows[first:end]
+        found[record is whole] = some
+    reported = [*found[True]]
+    for one in found[False]:  # which all rows together need not show
+        if not any(overlap(one, other) for other in found[True]):
+            reported.append(one)
+    known = np.isfinite(whole["temp_module"]) & off
+    result = [
+        replace(
+            one,
+            rows=int(np.count_nonzero(known[first:end])),
+            fitting=any(overlap((one, first, end), other) for other in found[False]),
+        )
+        for one, first, end in sorted(reported, key=lambda some: some[1])
+    ]
+    return tuple(result), off
+
+
+def overlap(one: tuple[Any, int, int], other: tuple[Any, int, int]) -> bool:
+    """Whether two spans have rows in common."""
+    return one[1] < other[2] and other[1] < one[2]
+
+
+def detachments_in(record: Record, clock: Clock) -> list[tuple[Detachment, int, int]]:
+    """Times in which the module's sensor is off, with rows of its logger."""
+    timed = in_time(record, clock) if clock.fault else record
+    some = detachments_of(
+        timed["temp_module"],
+        record["temp_air"],
+        record["poa_global"],
+        record.index,
+        record.dates,
+        power_in(timed),
+    )
+    if not clock.fault:
+        return some
+    seconds = record.inputs.seconds
+    written = seconds + clock.late_at(seconds)
+    edges = [*written, np.inf]
+    return [
+        (one, *np.searchsorted(seconds, [edges[first], edges[end]]).tolist())
+        for one, first, end in some
+    ]
+
+
+def power_in(record: Record) -> np.ndarray | None:
+    """A column of power; None without one."""
+    return next((record[n] for n in record.inputs.columns if is_power(n)), None)
 
 
 def in_time(record: Record, clock: Clock) -> Record:
@@ -368,7 +461,7 @@ def in_standard_time(
 
 def used_record(look: Look, sun: Collection[str]) -> tuple[Record, np.ndarray]:
     """The record of what is used, without the sun, and the rows that may count."""
-    stands, whole = look.health.mask | look.still, look.whole
+    stands, whole = look.health.mask | look.still | look.off, look.whole
     others = {*look.refused, *sun}  # of which the second is added where it is needed
     kept = [name for name in whole.inputs.columns if name not in others]
     blank = {name: rows for name, rows in look.health.frozen.items() if name in kept}

@@ -33,6 +33,7 @@ def treatment(loop: "Loop") -> list[Treatment]:
         *given_rows(loop),
         *clock_treatment(loop),
         *columns_made(loop),
+        *detached_rows(loop),
         *screened_values(loop.fit.summary),
         *kept_rows(loop),
     ]
@@ -84,6 +85,12 @@ def columns_made(loop: "Loop") -> Iterator[Treatment]:
         words = f"filled where it is missing by {one.factor:.3g} × {one.column}"
         words += f" {one.offset:+.2f} K" if one.offset else ""
         yield "filled", one.usual, None, words
+
+
+def detached_rows(loop: "Loop") -> Iterator[Treatment]:
+    """Rows in which the module's temperature sensor had come off."""
+    for one in loop.detachments:
+        yield "sensor", "temp_module", one.rows, f"the sensor is off {one.when}"
 
 
 def screened_values(record: Summary) -> Iterator[Treatment]:

@@ -13,6 +13,7 @@ from pvlib_fem._report.loop_text import number_cell, record_length
 from pvlib_fem._statements.make import PATTERN, STUCK
 from pvlib_fem._statements.statement import Statement
 from pvlib_fem.plotting._step_plots import step_name
+from pvlib_fem.quality._detached_sensor import DETACHED
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.loop_result import Loop
@@ -111,10 +112,14 @@ def counted_findings(loop: "Loop", statements: list[Statement]) -> str:
     """What was found and what remains, by numbers."""
     if not loop.weighed:
         return "The record is too short to weigh any effect."
+    stuck, detached = (
+        sum(one.cause == cause for one in statements) for cause in (STUCK, DETACHED)
+    )
     verdicts = [one.verdict for one in statements if one.cause != STUCK]
     counts = {
         "clock fault": sum(verdict.endswith("corrected") for verdict in verdicts),
-        "irradiance sensor that was stuck": len(statements) - len(verdicts),
+        "module temperature sensor that came off": detached,
+        "irradiance sensor that was stuck": stuck,
         "identified cause": verdicts.count("identified"),
         "ambiguous finding": verdicts.count("ambiguous"),
         PATTERN: sum(one.device == PATTERN for one in statements),

@@ -26,6 +26,7 @@ from pvlib_fem.effects import find
 from pvlib_fem.effects._effect import Effect, deciding_measurements
 from pvlib_fem.effects._standstill import in_words
 from pvlib_fem.effects._time_profiles import YEAR, date_text, day_number
+from pvlib_fem.quality._detached_sensor import DETACHED, Detachment
 from pvlib_fem.quality._tracker_standstill import Standing
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ MEASURE_STORE = (
 )
 HALF = 0.5  # of its days, on which modules stand out that do not stand with a sensor
 STUCK = "sensor_stuck"  # cause of a tracker's irradiance sensor that does not turn
+LEFT_OUT = "left out"  # verdict of what is not used
 #: what a statement has of its first clause
 SIZE = ("value", "error", "low", "high", "unit", "since", "until")
 
@@ -57,9 +59,10 @@ def statements_of(loop: "Loop", energies: Mapping[str, float]) -> list[Statement
     Returns
     -------
     list of Statement
-        Clocks and days on which the irradiance sensor does not turn; then causes in the
-        model, events that power shows, unexplained patterns and days that stand out, by
-        the energy that they change, or in this order where it is unknown; then hints.
+        Clocks, a module temperature sensor that has come off and days on which the
+        irradiance sensor does not turn; then causes in the model, events that power
+        shows, unexplained patterns and days that stand out, by the energy that they
+        change, or in this order where it is unknown; then hints.
     """
     findings = [f for f in loop.finding_objects if f.kind is not Kind.STRUCTURE]
     findings.sort(key=lambda finding: -finding.gain)
@@ -79,7 +82,8 @@ def statements_of(loop: "Loop", energies: Mapping[str, float]) -> list[Statement
     ranked = [*causes, *event_statements(loop), *patterns, *days]
     ranked.sort(key=lambda one: -np.nan_to_num(one.energy))  # equal ones keep the order
     standings = (standing_statement(one, loop.episodes) for one in loop.standings)
-    return [*clocks, *standings, *ranked, *hints]
+    detached = map(detachment_statement, loop.detachments)
+    return [*clocks, *detached, *standings, *ranked, *hints]
 
 
 def days_of(loop: "Loop") -> tuple[str, str]:
@@ -297,6 +301,41 @@ def standing_statement(standing: Standing, episodes: pd.DataFrame) -> Statement:
         certainty=f"{APPLIED} ({standing.days} clear days show it)",
         since=standing.start,
         until=date_text(day_number(standing.end) - 1),
+    )
+
+
+def detachment_statement(one: Detachment) -> Statement:
+    """
+    A time in which the module's temperature sensor is off as a statement.
+
+    Parameters
+    ----------
+    one : Detachment
+
+    Returns
+    -------
+    Statement
+        ``value`` is what it reads of the temperature rise beyond that of the module.
+    """
+    days = f"{one.days} sunny days show it"
+    weeks = " of test weeks (the others do not show it alone)" * (not one.fitting)
+    when = one.when
+    return Statement(
+        cause=DETACHED,
+        device="module temperature sensor",
+        verdict=LEFT_OUT,
+        text=(
+            f"{when[:1].upper()}{when[1:]} the module temperature sensor reads close "
+            f"to air temperature: {1000.0 * one.rise:.1f} K above it in sun of "
+            f"1000 W/m², and {1000.0 * one.attached:.0f} K while it was attached. It "
+            "has come off"
+        ),
+        action="Fix the sensor to the back of the module",
+        certainty=f"Left out: its {one.rows:,} rows{weeks}; {days}",
+        value=100.0 * (one.rise / one.attached - 1.0),
+        unit="%",
+        since=one.start[:10],
+        until=one.last[:10] if one.end else "",
     )
 
 

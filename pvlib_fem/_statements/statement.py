@@ -23,7 +23,7 @@ class Statement:
     verdict : str
         ``"identified"``, ``"ambiguous"``, ``"hint"`` (a hint that is not in
         the model), ``"event"`` or ``"unexplained"``; of a clock ``"corrected"`` or
-        ``"not corrected"``.
+        ``"not corrected"``; ``"left out"`` of a sensor whose rows are not used.
     text : str
         The finding in a sentence: device, direction, size and dates.
     action : str

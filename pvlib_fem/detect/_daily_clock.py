@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pvlib_fem.detect._path import Law, Path, most_probable
+from pvlib_fem._statistics.changing_level import Law, Path, most_probable
 
 GRID = 15.0  # min, of zones, and of the least change that is looked for
 FARTHEST = 720.0  # min

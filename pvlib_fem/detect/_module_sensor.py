@@ -8,22 +8,13 @@ import pandas as pd
 from pvlib_fem._record.checks import dates_of as numbers_of
 from pvlib_fem.detect._changes import dates_of
 from pvlib_fem.detect._checked_series import checked_series
-from pvlib_fem.detect._path import Law, most_probable
-from pvlib_fem.quality._limits import GAIN
-
-SUNNY = 200.0  # W/m², above which a module is warmer than the air
-FEWEST = 5  # sunny days
-LASTS = 10  # days of a level that is the attached sensor's
-HALF = 0.5  # of the attached sensor's over-temperature, below which it has come off
-LOWEST = 1e-3  # K m²/W, what stands for none
-LAW = Law(
-    np.arange(-4.0, 1.0, 0.1),  # logarithms
-    odds=1e-4,
-    accident=0.1,
-    least=0.1,
-    fine=0.05,
-    memory=2.0,
-    swing=0.2,
+from pvlib_fem.quality._detached_sensor import (
+    FEWEST,
+    HALF,
+    SUNNY,
+    THAWED,
+    detached_days,
+    sunny_days,
 )
 
 
@@ -79,14 +70,16 @@ def detached_module_sensor(
     TypeError
         If a column is no Series with a DatetimeIndex.
     ValueError
-        If indexes differ, or fewer than five days have sun above 200 W/m².
+        If indexes differ, or fewer than five days have sun above 200 W/m² and a module
+        above 3 °C.
 
     Notes
     -----
     The over-temperature by irradiance of each day (Ross's coefficient [1]_) has a level
     that changes seldom. A sensor has come off where that is below half of the highest
     level that lasts ten days, or below 0.008 K m²/W, which is less than any mounting
-    has. A module under snow for weeks looks the same.
+    has. Rows with a module below 3 °C do not count, since one under snow looks the
+    same. :func:`pvlib_fem.close_loop` makes this check itself, by stricter rules.
 
     References
     ----------
@@ -105,32 +98,16 @@ def detached_module_sensor(
     index, (module, air, poa) = checked_series(
         temp_module=temp_module, temp_air=temp_air, poa_global=poa_global
     )
-    rows = (poa > SUNNY) & np.isfinite(module + air)
-    days, place = np.unique(numbers_of(index)[rows], return_inverse=True)
+    sunny = sunny_days(module, air, poa, numbers_of(index))
+    days = sunny.days
     if len(days) < FEWEST:
         raise ValueError(
-            f"{len(days)} days have sun above {SUNNY:.0f} W/m² and both temperatures, "
-            f"and at least {FEWEST} are needed; give a longer record"
+            f"{len(days)} days have sun above {SUNNY:.0f} W/m², a module above "
+            f"{THAWED:.0f} °C and both temperatures, and at least {FEWEST} are needed; "
+            "give a longer record"
         )
-    over = np.bincount(place, (module - air)[rows]) / np.bincount(place, poa[rows])
-    logs = np.log(np.maximum(over, LOWEST))
-    middle = np.median(logs)
-    path = most_probable(days, logs - middle, LAW)
-    residual = logs - path.usual - path.level
-    levels, lasts = np.unique(path.level, return_counts=True)
-    height = {
-        one: float(np.exp(np.median((residual + path.usual + one)[path.level == one])))
-        for one in levels
-    }
-    long = [
-        one for one, number in zip(levels, lasts) if number >= min(LASTS, len(days))
-    ]
-    best = max((height[one] for one in long), default=np.nan)
-    least = np.fmax(GAIN[0], HALF * best)
-    off = {one: height[one] < least for one in levels}
+    off, attached = detached_days(days, sunny.rise, HALF)
     dates = dates_of(days)
     return DetachedSensor(
-        pd.Series([off[one] for one in path.level], dates, dtype=bool),
-        pd.Series(over, dates),
-        float(best) if best >= GAIN[0] else np.nan,
+        pd.Series(off, dates, dtype=bool), pd.Series(sunny.rise, dates), attached
     )

@@ -11,9 +11,9 @@ from pvlib.pvsystem import AbstractMount
 from pvlib_fem._loop import references
 from pvlib_fem._loop.references import COMPARISONS, SKY, USUAL_WIND, DailyDeviation
 from pvlib_fem._record.checks import dates_of
+from pvlib_fem._statistics.changing_level import Law
 from pvlib_fem.detect._changes import SURE, LevelChanges, level_changes, level_result
 from pvlib_fem.detect._checked_series import checked_series
-from pvlib_fem.detect._path import Law
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers._mounts import angles_at
 from pvlib_fem.quality._clearsky import clear_sky

@@ -8,10 +8,10 @@ from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem._record.checks import usual_step
+from pvlib_fem._statistics.changing_level import Path
 from pvlib_fem.detect._checked_series import checked_series
 from pvlib_fem.detect._daily_clock import GRID, MEMORY, clock_of
 from pvlib_fem.detect._daily_noon import noons
-from pvlib_fem.detect._path import Path
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers._mounts import PLANE
 

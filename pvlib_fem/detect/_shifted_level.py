@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._record.checks import dates_of
+from pvlib_fem._statistics.changing_level import SEASON, YEAR, Law, most_probable
 from pvlib_fem.detect._changes import LevelChanges, level_result, new_levels
 from pvlib_fem.detect._checked_series import checked_series
-from pvlib_fem.detect._path import SEASON, YEAR, Law, most_probable
 
 WHOLE = 0.8  # of the rows that a day usually has
 LOWEST = 1e-3  # of the usual day
