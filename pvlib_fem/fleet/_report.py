@@ -28,7 +28,7 @@ from pvlib_fem.fleet._results import Results
 from pvlib_fem.fleet._shared import Shared, few_names, shared_causes
 from pvlib_fem.fleet._store import page_path, put_page
 from pvlib_fem.fleet._system_work import title_of
-from pvlib_fem.fleet._tasks import CLOCK, TASKS
+from pvlib_fem.fleet._tasks import CLOCK, SENSOR, TASKS
 from pvlib_fem.types import FilePath
 
 SHOWN = 50  # rows of each table of the page
@@ -75,7 +75,7 @@ def report(
     words = headline(systems)
     parts: Parts = [
         heading(words, title),
-        section("Clock and location faults", clock_faults(findings, pages)),
+        section("Clock, location and sensor faults", device_faults(findings, pages)),
         section("What failed", failures(systems)),
         section("Systems to visit first", to_visit(systems, pages)),
         section(
@@ -163,11 +163,16 @@ def to_visit(systems: pd.DataFrame, pages: Pages) -> Table:
     )
 
 
-def clock_faults(findings: pd.DataFrame, pages: Pages) -> Paragraph | Table:
-    """Table of systems with wrong timestamps or a wrong location."""
-    if findings.empty or not (faults := findings[findings["kind"] == CLOCK]).size:
+def device_faults(findings: pd.DataFrame, pages: Pages) -> Paragraph | Table:
+    """Table of systems with wrong times, a wrong location or a detached sensor."""
+    if findings.empty:
         return paragraph("None was found.")
-    faults = faults.sort_values(["added", "id"])  # uncorrected faults first
+    faults = findings[findings["kind"].isin([CLOCK, SENSOR])]
+    if faults.empty:
+        return paragraph("None was found.")
+    # uncorrected faults first
+    faults = faults.assign(treated=faults["verdict"] != "not corrected")
+    faults = faults.sort_values(["treated", "id"], kind="stable")
     rows = [
         (pages[row["id"]], row["site"], row["verdict"], row["why"])
         for row in faults.head(SHOWN).to_dict("records")

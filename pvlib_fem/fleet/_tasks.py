@@ -23,7 +23,9 @@ from pvlib_fem._recovery.recovery_result import FORMAT, Recovery
 from pvlib_fem._report.formatting import with_error
 from pvlib_fem._report.loop_page import coefficient_words
 from pvlib_fem._spelling import did_you_mean
+from pvlib_fem._statements.make import LEFT_OUT
 from pvlib_fem._stored import as_json
+from pvlib_fem.quality._detached_sensor import DETACHED, Detachment
 from pvlib_fem.reasons import Reason
 
 HOURS_A_YEAR = 8766.0
@@ -174,13 +176,16 @@ def coefficients_of(fit: FemFit) -> list[dict[str, Any]]:
 
 
 CLOCK = "CLOCK"  # kind of a clock fault among findings
+SENSOR = "SENSOR"  # kind of a fault of a sensor whose rows are not used
 
 
 def findings_of(loop: Loop) -> list[dict[str, Any]]:
-    """Rows of the findings of a loop, clocks first."""
+    """Rows of the findings of a loop; clocks and detached sensors first."""
     effects = {effect.name: effect for effect in loop.fit.effects}
     clocks = [of_clock(correction) for correction in loop.corrections]
-    return clocks + [of_finding(finding, effects) for finding in loop.finding_objects]
+    detached = [of_detachment(one) for one in loop.detachments]
+    others = [of_finding(finding, effects) for finding in loop.finding_objects]
+    return clocks + detached + others
 
 
 def of_clock(correction: Correction) -> dict[str, Any]:
@@ -198,6 +203,22 @@ def of_clock(correction: Correction) -> dict[str, Any]:
         "size": ", ".join(sizes),
         "place": ", ".join(correction.columns),
         "why": correction.why,
+    }
+
+
+def of_detachment(one: Detachment) -> dict[str, Any]:
+    """Row of a time in which the module's temperature sensor had come off."""
+    return {
+        "effect": DETACHED,
+        "candidates": DETACHED,
+        "verdict": LEFT_OUT,
+        "kind": SENSOR,
+        "added": False,
+        "size": f"{one.rows} rows",
+        "place": one.when,
+        "first": one.after[:10] or None,
+        "last": one.start[:10] or None,
+        "why": str(one),
     }
 
 

@@ -546,14 +546,19 @@ def test_the_page_has_every_state_and_links_to_each_system(table, tmp_path):
     assert f"{racks.median():.4g}" in html
 
 
-def test_clock_faults_stand_first_by_the_name_of_their_system(tmp_path):
+def test_faults_of_devices_stand_first_by_the_name_of_their_system(tmp_path):
     """With a longitude of the wrong sign no other finding can be trusted."""
     site = simulator.RHINE
     data = simulator.record(days=40, step=1800.0, start="2023-04-01")
     data.tz_localize(None).to_csv(tmp_path / "plant.csv", index_label="time")
     row = {"file": "plant.csv", "latitude": site.latitude, "tz": site.tz}
+    fallen = data.copy()
+    off = data.index >= data.index[0] + pd.Timedelta(days=22)
+    fallen.loc[off, "temp_module"] = data["temp_air"][off]
+    fallen.tz_localize(None).to_csv(tmp_path / "fallen.csv", index_label="time")
     rows = [
         {"id": "right", "longitude": site.longitude, **row},
+        {"id": "fallen", "longitude": site.longitude, **row, "file": "fallen.csv"},
         {"id": "mirrored", "longitude": -site.longitude, **row},
     ]
     pd.DataFrame(rows).to_csv(tmp_path / "systems.csv", index=False)
@@ -562,6 +567,8 @@ def test_clock_faults_stand_first_by_the_name_of_their_system(tmp_path):
     first, rest = html.split("What failed", 1)
     assert ">mirrored</a>" in first and "not corrected" in first
     assert "longitude has the wrong sign" in first and ">right</a>" not in first
+    assert first.index(">mirrored</a>") < first.index(">fallen</a>")
+    assert "from 2023-04-23" in first and "the sensor has come off" in first
     assert ">right</a>" in rest
 
 
