@@ -483,11 +483,16 @@ class Search:
         references = daily_deviations(case) if changes else []
         chosen = [one for one in this.choices if one.top.name not in self.closed]
         step = plain
-        for i, one in enumerate(selection.with_members(chosen)):
-            others = [*chosen[:i], *chosen[i + 1 :]]
-            given = selection.given(others)
+        reported: list[Choice] = []
+        while chosen:
+            given = selection.given([*reported, *chosen[1:]])
+            one = selection.weighed(chosen[0], [*reported, *chosen[1:]])
             logs = log_likelihoods(references, one, coefficients)
             one = with_outside(selection.design, one, given, case.criteria, logs)
+            reported.append(one.as_first)
+            chosen = chosen[1:]
+            if one.first != one.top.name:
+                chosen = selection.kept_beside(chosen, reported)
             effect = selection.dated(one, one.first, given)
             if effect.turns:
                 size = float(one.scores[one.first].estimate[0])

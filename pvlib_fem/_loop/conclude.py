@@ -62,12 +62,7 @@ def finding_of(
     """
     limits = case.criteria
     order = sorted(choice.probabilities.items(), key=lambda item: -item[1])
-    credible, total = [], 0.0
-    for name, probability in order:
-        credible.append(name)
-        total += probability
-        if total >= limits.min_probability:
-            break
+    credible = credible_names(choice, limits.min_probability)
     names = (effect.name, *(n for n in credible if n not in (effect.name, OUTSIDE)))
     score, gain = choice.scores[effect.name], float(np.sqrt(choice.fall))
     outside = choice.probabilities[OUTSIDE]
@@ -129,6 +124,30 @@ def finding_of(
             if name in EFFECTS
         },
     )
+
+
+def credible_names(choice: "Choice", probability: float) -> list[str]:
+    """
+    Names of the smallest set of members that holds a probability.
+
+    Parameters
+    ----------
+    choice : Choice
+        With the probabilities of its members, and of a cause outside.
+    probability : float
+
+    Returns
+    -------
+    list of str
+        The most probable first.
+    """
+    names, total = [], 0.0
+    for name, share in sorted(choice.probabilities.items(), key=lambda item: -item[1]):
+        names.append(name)
+        total += share
+        if total >= probability:
+            break
+    return names
 
 
 def member_of(choice: "Choice", name: str, criteria: Criteria) -> Member:

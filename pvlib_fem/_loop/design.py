@@ -359,19 +359,17 @@ class Design:
             column = column - (table.free * means)[table.groups]
         return column
 
-    def adding(self, sizes: Mapping["Column", float]) -> "Design":
+    def adding(self, residual: np.ndarray) -> "Design":
         """
-        The design whose residual has multiples of some columns or changes more.
+        The design with something added to its residual.
 
         Parameters
         ----------
-        sizes : dict of float
-            By column: an int, or a Changed. [unit of the column's coefficient]
+        residual : array, shape (cells,)
+            Summand of each cell. [K]
         """
         cells = self.cells.copy()
-        for column, size in sizes.items():
-            (scale,) = self.scales([column])
-            cells[:, 0] += size * scale * self.values(column)
+        cells[:, 0] += residual
         return replace(self, cells=cells)
 
     def by_week(self, columns: Sequence["Column"]) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Selection of candidates by the remaining error, with their probabilities."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -94,9 +94,19 @@ class Choice:
         """Name of the most probable member."""
         return max(self.members, key=self.probabilities.__getitem__)
 
+    @property
+    def as_first(self) -> "Choice":
+        """The choice with its most probable member as the best candidate."""
+        return replace(
+            self, top=self.members[self.first], score=self.scores[self.first]
+        )
+
 
 def selected(
-    design: Design, criteria: Criteria, closed: frozenset[str] = frozenset()
+    design: Design,
+    criteria: Criteria,
+    closed: frozenset[str] = frozenset(),
+    begin: Sequence[Choice] = (),
 ) -> tuple["Selection", list[Choice]]:
     """
     A selection and its choices, given the noise that remains.
@@ -107,18 +117,20 @@ def selected(
     criteria : Criteria
     closed : frozenset of str
         Names that are not to be taken.
+    begin : sequence of Choice, optional
+        Choices from which the selection begins.
 
     Returns
     -------
     Selection, list of Choice
     """
     selection = Selection(design, criteria, closed)
-    choices = selection.run()
+    choices = selection.run(begin)
     given = selection.given(choices)
     if noise := random_effects(design, given, selection.least):
         selection = Selection(design, criteria, closed, noise)
         choices = selection.run(choices)
-    return selection, choices
+    return selection, selection.refined(choices)
 
 
 @dataclass(eq=False)
@@ -138,22 +150,136 @@ class Selection:
         """The design as generalised least squares sees it."""
         return self.design.whitened(self.noise)
 
-    def run(self, choices: Sequence[Choice] = ()) -> list[Choice]:
-        """All choices, the largest first, beginning with some."""
-        settled = self.settled([*choices])
+    def run(
+        self, choices: Sequence[Choice] = (), without: frozenset[str] = frozenset()
+    ) -> list[Choice]:
+        """All choices, the largest first, beginning with some, without some names."""
+        settled = self.settled([*choices], without)
         seen: set[frozenset[Column]] = set()
         while len(settled) < MOST:
-            best = self.best(settled)
+            best = self.best(settled, without=without)
             if best is None:
                 break
-            settled = self.settled([*settled, best])
+            settled = self.settled([*settled, best], without)
             key = frozenset(c for one in settled for c in one.top.columns)
             if key in seen:  # one that comes lets another go, in turn
                 break
             seen.add(key)
         return sorted(settled, key=lambda one: -one.fall)
 
-    def settled(self, choices: list[Choice]) -> list[Choice]:
+    def refined(self, choices: list[Choice]) -> list[Choice]:
+        """
+        The choices, or others that explain more, as far as these are tried.
+
+        What they explain by each effect more has to be material.
+        """
+        remaining = self.remaining(choices)
+        for _ in range(SWEEPS):
+            for other, better in self.alternatives(choices):
+                more = max((len(other) - len(choices)) * self.least, better)
+                less = self.remaining(other)
+                if less < remaining - more:
+                    choices, remaining = other, less
+                    break
+            else:
+                break
+        return choices
+
+    def remaining(self, choices: Sequence[Choice]) -> float:
+        """Mean square on weeks left out in turn, given some choices. [K²]"""
+        weekly = self.design.by_week(self.given(choices))
+        return held_out(weekly, self.design.folds) / self.design.count
+
+    def alternatives(
+        self, choices: list[Choice]
+    ) -> Iterator[tuple[list[Choice], float]]:
+        """
+        Other choices, and by how much they have to be better. [K²]
+
+        One time profile can stand for two, such as a temporary change for a trend and a
+        step. So each change is left out, the others are made anew without its time
+        profile, and then with it, as the refinement of SuSiE does (Zou et al., 2022).
+        Two changes can also hide each other, such as a trend until a sensor is cleaned.
+        """
+        for one in choices:
+            if one.top.effect.sensor_fault:
+                same = self.like(one)
+                others = [other for other in choices if other is not one]
+                others = self.run(others, same)
+                better = (BETTER - 1.0) * one.fall
+                yield self.run(others), better
+                for pair in self.hidden_pairs(others, same):
+                    yield self.run([*others, *pair]), better
+        for pair in self.hidden_pairs(choices):
+            yield self.run([*choices, *pair]), 0.0
+
+    def hidden_pairs(
+        self, choices: list[Choice], without: frozenset[str] = frozenset()
+    ) -> Iterator[list[Choice]]:
+        """
+        Two changes, of which the first is not sure alone, and both are together.
+
+        The odds of both are those of the first alone times those of the second given
+        it.
+        """
+        given = self.given(choices)
+        taken = without | {one.top.name for one in choices}
+        others = self.candidates(given, taken)
+        others = [one for one in others if one.effect.sensor_fault]
+        falls = self.in_samples(others, given)
+        firsts: dict[str, Candidate] = {}
+        for i in np.argsort(-falls, kind="stable"):
+            if falls[i] >= self.least:
+                firsts.setdefault(time_profile_of(others[i].effect), others[i])
+        for one in firsts.values():
+            alone = self.score(one, given)
+            if not alone.possible or alone.fall < self.least:
+                continue
+            second = self.best([*choices, Choice(one, alone)], without=without)
+            if second is None:
+                continue
+            both = log_odds(alone.probability) + log_odds(second.score.probability)
+            beside = self.score(one, self.given([*choices, second]))
+            if self.holds(beside) and both >= log_odds(self.criteria.min_probability):
+                yield [Choice(one, beside), second]
+
+    def kept_beside(
+        self, choices: Sequence[Choice], reported: Sequence[Choice]
+    ) -> list[Choice]:
+        """
+        Choices that still explain something beside what is reported and all others.
+
+        Parameters
+        ----------
+        choices : sequence of Choice
+            Choices that are not reported yet.
+        reported : sequence of Choice
+            Choices whose best candidate is what is reported.
+
+        Returns
+        -------
+        list of Choice
+        """
+        kept = [*choices]
+        for one in choices:
+            others = [other for other in kept if other is not one]
+            score = self.score(one.top, self.given([*reported, *others]))
+            again = [replace(one, score=score)] if self.holds(score) else []
+            at = kept.index(one)
+            kept = [*kept[:at], *again, *kept[at + 1 :]]
+        return kept
+
+    def like(self, choice: Choice) -> frozenset[str]:
+        """Names of all changes with the time profile of a choice."""
+        profile = time_profile_of(choice.top.effect)
+        every = (one for one in self.candidates([*self.design.base]))
+        changes = (one for one in every if one.effect.sensor_fault)
+        same = (one for one in changes if time_profile_of(one.effect) == profile)
+        return frozenset(one.name for one in same) | {choice.top.name}
+
+    def settled(
+        self, choices: list[Choice], without: frozenset[str] = frozenset()
+    ) -> list[Choice]:
         """The choices when none is better replaced, or removed, given the others."""
         for _ in range(SWEEPS):
             changed = False
@@ -162,7 +288,8 @@ class Selection:
                 others = [*choices[:i], *choices[i + 1 :]]
                 now = self.score(mine.top, self.given(others))
                 holds = self.holds(now)
-                better = self.best(others, BETTER * now.fall if holds else 0.0)
+                least = BETTER * now.fall if holds else 0.0
+                better = self.best(others, least, without)
                 if better is not None:
                     changed = changed or better.top.columns != mine.top.columns
                     choices = [*choices[:i], better, *choices[i + 1 :]]
@@ -213,11 +340,17 @@ class Selection:
             self.known[key] = [one for one in every if one.name not in self.closed]
         return [one for one in self.known[key] if one.name not in {*taken}]
 
-    def best(self, choices: Sequence[Choice], least: float = 0.0) -> Choice | None:
+    def best(
+        self,
+        choices: Sequence[Choice],
+        least: float = 0.0,
+        without: frozenset[str] = frozenset(),
+    ) -> Choice | None:
         """The choice that explains most given others, and more than that, or None."""
         given = self.given(choices)
         best: Choice | None = None
-        others = self.candidates(given, [one.top.name for one in choices])
+        taken = without | {one.top.name for one in choices}
+        others = self.candidates(given, taken)
         falls, least = self.in_samples(others, given), max(self.least, least)
         for i in np.argsort(-falls, kind="stable"):
             # on weeks left out it explains no more than on those that are fitted
@@ -420,6 +553,13 @@ class Selection:
         shares = np.exp(logs - logs.max(axis=0))
         shares = (shares / shares.sum(axis=0))[:, 1:].mean(axis=1)
         return dict(zip(members, shares.tolist()))
+
+
+def log_odds(probability: float) -> float:
+    """Logarithm of the odds of a probability; of one that is rounded to 1, of 1 − ε."""
+    least = np.finfo(float).eps
+    probability = float(np.clip(probability, least, 1.0 - least))
+    return float(np.log(probability / (1.0 - probability)))
 
 
 def drawn_part(

@@ -176,7 +176,20 @@ def readable(effect: Effect, way: dict, days: np.ndarray, coefficients: dict) ->
 
 
 def whole_of(sensor_fault: str, coefficients: dict) -> Any:
-    """Reference of a fault that scales its reading; None for other faults."""
+    """
+    Reference of a fault that scales its reading; None for other faults.
+
+    Parameters
+    ----------
+    sensor_fault : str
+    coefficients : dict
+        Of the loop's model; an anemometer's fault is measured by its ``u1``.
+
+    Returns
+    -------
+    float or None
+        In the unit of the fault's coefficient.
+    """
     u1 = coefficients.get("u1", np.inf)  # the true loss by wind does not change
     return {"irradiance_sensor": 1.0, "anemometer": u1}.get(sensor_fault)
 

@@ -5,16 +5,26 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pvlib_fem._findings import OUTSIDE
+from pvlib_fem._loop.close import Round
+from pvlib_fem._loop.conclude import HALF, credible_names
 from pvlib_fem._loop.design import Design
-from pvlib_fem._loop.dictionary import Candidate, Changed
+from pvlib_fem._loop.dictionary import Candidate, Changed, Column
 from pvlib_fem._loop.divided_record import Case
+from pvlib_fem._loop.noise import with_outside
 from pvlib_fem._loop.ranking import squares_given_others
-from pvlib_fem._loop.refits import Fits, Step
-from pvlib_fem._loop.selection import Selection, selected
+from pvlib_fem._loop.references import (
+    DailyDeviation,
+    daily_deviations,
+    log_likelihoods,
+)
+from pvlib_fem._loop.refits import Step
+from pvlib_fem._loop.selection import OVERLAP, Choice, Selection, selected
 from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._recovery.draw import Draw, dated_draws, same_days, with_ways
-from pvlib_fem._recovery.inject import readable
+from pvlib_fem._recovery.inject import readable, whole_of
 from pvlib_fem.effects._effect import Effect
+from pvlib_fem.effects._time_profiles import weights_of
 from pvlib_fem.reasons import Because, Reason, because
 
 GROWS = 1.6  # factor from one size to the next, until the effect is selected
@@ -23,19 +33,21 @@ LEAST = 1.0  # first size, in standard errors
 
 
 def predictions(
-    case: Case, step: Step, draws: int, seed: int, effect: Effect
+    case: Case, last: Round | None, step: Step, draws: int, seed: int, effect: Effect
 ) -> tuple[list[tuple[Draw, float, float]], Because | None]:
     """
     Draws of an effect with the sizes from which each should be found, or why none.
 
-    The effect is added to the last model's remaining error, to first order, with
-    increasing size until the selection chooses it, or a set with it, on about its
-    dates.
+    The effect is added to the last model's remaining error, to first order in what it
+    changes, with increasing size until the selection finds it, or a set with it, on
+    about its dates, among all that the record itself shows.
 
     Parameters
     ----------
     case : Case
         The record of the loop.
+    last : Round or None
+        The last selection of the loop, if there was one.
     step : Step
         The last step of the loop.
     draws, seed : int
@@ -49,27 +61,33 @@ def predictions(
         Draw, predicted size, and estimate of the effect in the record itself.
     """
     with one_blas_thread():
-        fits = Fits(case)
         days = np.unique(case.record.dates[case.searched])
         planned, why = dated_draws(
             effect, days, case.criteria.min_days_each_side, draws, seed
         )
         if why is not None:
             return [], why
-        there = {one.name for one in step.model.effects if not one.sensor_fault}
-        wanted = [one for one in case.wanted if one.name not in there]
-        evidence = fits.gathered(step, wanted)
-        name = effect.sensor_fault or effect.name
-        if effect.name in evidence.failed or name in evidence.failed:
-            return [], evidence.failed.get(effect.name) or evidence.failed[name]
-        record = fits.ready["coarse"][1]
-        design = Design.from_evidence(evidence, record, drivers=case.drivers)
-        selection = Selection(design, case.criteria)
-        looks = [Look(selection, candidate_of(design, draw)) for draw in planned]
-        for look in looks:
-            if not look.seen:
-                return [], because(Reason.COLLINEAR)
-        scores = [selection.score(look.one, [*design.base]) for look in looks]
+        if last is None:
+            return [(draw, np.nan, np.nan) for draw in planned], None
+        failed = last.evidence.failed
+        for name in (effect.name, effect.sensor_fault):
+            if name in failed:
+                return [], failed[name]
+        selection = last.selection
+        references = daily_deviations(case) if effect.sensor_fault else []
+        looks = [
+            Look(
+                selection,
+                last.choices,
+                candidate_of(selection.design, draw),
+                step.coefficients,
+                references,
+            )
+            for draw in planned
+        ]
+        if not all(look.seen for look in looks):
+            return [], because(Reason.COLLINEAR)
+        scores = [selection.score(one.one, one.given) for one in looks]
         errors = [dict.fromkeys(effect.rows(), 0.0) | one.errors for one in scores]
         numbered = [
             replace(draw, effect=look.one.effect) for draw, look in zip(planned, looks)
@@ -103,7 +121,17 @@ class Look:
     """Selection on a record with an added effect of some size."""
 
     selection: Selection
+    choices: tuple[Choice, ...]  # that the record itself shows
     one: Candidate
+    coefficients: dict[str, float]  # of the loop's model
+    references: list[DailyDeviation]
+
+    @property
+    def given(self) -> list[Column]:
+        """Columns of the base, and of what else the record itself shows."""
+        return self.selection.given(
+            other for other in self.choices if other.top.name != self.one.name
+        )
 
     @property
     def seen(self) -> bool:
@@ -123,15 +151,50 @@ class Look:
     def is_found(self, draw: Draw, size: float) -> bool:
         """Whether the effect is found at a size."""
         parts = [size * part for part in draw.way.values()]
-        design = self.selection.design.adding(dict(zip(self.one.columns, parts)))
-        selection, choices = selected(design, self.selection.criteria)
-        for choice in selection.with_members(choices):
+        added = np.sum([*map(self.residual_of, self.one.columns, parts)], axis=0)
+        design = self.selection.design.adding(added)
+        limits, closed = self.selection.criteria, self.selection.closed
+        selection = Selection(design, limits, closed)
+        if selection.in_sample(self.one, self.given) < OVERLAP * selection.least:
+            return False  # too small for any set
+        selection, choices = selected(design, limits, closed, self.choices)
+        chosen = selection.with_members(choices)
+        for i, choice in enumerate(chosen):
             mine = choice.members.get(self.one.name)
-            if mine is None:
+            if mine is None or not on_same_days(
+                mine.effect, self.one.effect, design.dates
+            ):
                 continue
-            if on_same_days(mine.effect, self.one.effect, design.dates):
-                return True
+            given = selection.given([*chosen[:i], *chosen[i + 1 :]])
+            references = [self.shown_by(one, sum(parts)) for one in self.references]
+            logs = log_likelihoods(references, choice, self.coefficients)
+            choice = with_outside(design, choice, given, limits, logs)
+            if self.one.name in credible_names(choice, limits.min_probability):
+                return choice.probabilities[OUTSIDE] <= HALF
         return False
+
+    def residual_of(self, column: Column, size: float) -> np.ndarray:
+        """
+        Residual by a coefficient, in the cells of the design. [K]
+
+        A sensor that reads less changes the residual by what is left of its reading.
+        """
+        design = self.selection.design
+        (scale,) = design.scales([column])
+        added = size * scale * design.values(column)
+        whole = whole_of(self.one.effect.sensor_fault, self.coefficients)
+        if whole is not None and isinstance(column, Changed):
+            added = added / (1.0 + size * design.weight(column) / whole)
+        return added
+
+    def shown_by(self, reference: DailyDeviation, size: float) -> DailyDeviation:
+        """What a reference shows when the sensor has the fault, too."""
+        effect = self.one.effect
+        shows = reference.comparison.shows.get(effect.sensor_fault)
+        if shows is None:
+            return reference
+        change = shows(size * weights_of(effect, reference.days), self.coefficients)
+        return replace(reference, apart=reference.apart + change)
 
 
 def on_same_days(one: Effect, other: Effect, days: np.ndarray) -> bool:

@@ -129,10 +129,10 @@ def recover_effects(
     Notes
     -----
     The predicted size is the smallest with which the loop would select the effect, or a
-    set with it, given the record's own findings. The effect is added to the last
-    model's remaining error with increasing size, to first order, and the selection is
-    run for each size. The prediction does not include the refit, nor that a large
-    effect can displace the record's own findings.
+    set with it. The effect is added to the last model's remaining error, and a fault of
+    a sensor to its cross-checks, with increasing size. The selection is run for each
+    size, beginning with the record's own findings. The prediction does not include the
+    refit.
 
     The record may contain the effect itself. That adds to its coefficient, and
     ``ratio`` and ``covered`` count it as error.
@@ -272,7 +272,8 @@ def planned_injections(
             why = notes.get(name, "it is not among the effects that are put in")
             raise ValueError(f"sizes has {name}: {why}")
         ready = [effect for effect in ready if effect.name in sizes]
-    shared, tasks = (search.case, step, draws, seed), [(e,) for e in ready]
+    shared = (search.case, search.last, step, draws, seed)
+    tasks = [(effect,) for effect in ready]
     looked = spread(predictions, tasks, processes, shared)
     with item_counter(len(tasks), 0, progress, "predicted") as report:
         for effect, (looks, why) in zip(ready, looked):

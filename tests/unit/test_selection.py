@@ -222,6 +222,51 @@ def test_what_nothing_tells_apart_has_equal_shares():
         assert low <= shares["air_elsewhere"] <= high
 
 
+OFFSETS = [CHANGES[f"module_offset_{name}"] for name in ("step", "drift", "episode")]
+
+
+def offsets(rest, days, hours):
+    """The selection on a residual that offsets of the module's sensor may explain."""
+    columns = {"one": np.ones(len(days)), "wave": np.cos(hours / 4.0)}
+    made = design(rest, columns, days, hours, changing=OFFSETS)
+    return Selection(replace(made, sensor_faults={"module_offset": 3}), CRITERIA)
+
+
+@pytest.mark.parametrize(
+    ("per_year", "change", "at", "alone"),
+    [(1.0, -2.0, 500, []), (1.0, -1.5, 350, []), (0.6, -1.2, 500, ["episode"])],
+)
+def test_a_trend_and_a_step_that_hide_each_other_are_found(per_year, change, at, alone):
+    """A sensor that drifts until it is replaced, or one temporary change for both."""
+    random, (days, hours) = np.random.default_rng(9), clock(700)
+    rest = per_year * days / 365.25 + change * (days >= at) + noise(random, len(days))
+    selection = offsets(rest, days, hours)
+    before = selection.run()
+    assert [one.top.name for one in before] == [f"module_offset_{n}" for n in alone]
+    after = {one.top.name: one for one in selection.refined(before)}
+    assert {*after} == {"module_offset_step", "module_offset_drift"}
+    (step,) = after["module_offset_step"].score.estimate
+    (drift,) = after["module_offset_drift"].score.estimate
+    assert step == pytest.approx(change, abs=0.15)
+    assert drift == pytest.approx(per_year, abs=0.15)
+    date = day_number(after["module_offset_step"].top.effect.settings["at"])
+    assert abs(date - START - at) <= 7
+    assert selection.remaining([*after.values()]) < selection.remaining(before)
+
+
+def test_noise_that_remembers_weeks_is_no_pair_of_changes():
+    random, (days, hours) = np.random.default_rng(10), clock(500)
+    for memory in np.linspace(0.3, 0.9, 12):
+        weekly = np.random.default_rng(int(1e3 * memory)).normal(size=80)
+        for i in range(1, 80):
+            weekly[i] *= np.sqrt(1.0 - memory**2)
+            weekly[i] += memory * weekly[i - 1]
+        rest = 0.5 * weekly[days // 7] + noise(random, len(days))
+        selection = offsets(rest, days, hours)
+        before = selection.run()
+        assert len(selection.refined(before)) <= len(before)
+
+
 def chosen(rest, own, days, hours, **places):
     """The choice of one effect, with the probability of a cause outside."""
     columns = {"one": np.ones(len(days)), "rain.film": own}
@@ -359,8 +404,9 @@ def test_more_of_a_column_is_estimated_as_so_much_more(seed, more):
     step = Changed.from_effect(2, CHANGES["module_offset_step"].make(at="2023-02-01"))
     for column in (1, step):
         before = LeastSquares(made.by_week([column]), 1).estimate
-        after = LeastSquares(made.adding({column: more}).by_week([column]), 1).estimate
         (scale,) = made.scales([column])
+        added = made.adding(more * scale * made.values(column))
+        after = LeastSquares(added.by_week([column]), 1).estimate
         assert (after - before) / scale == pytest.approx(more, abs=1e-6)
 
 
