@@ -2,25 +2,23 @@
 
 import os
 import pickle
+import signal
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from multiprocessing import current_process, get_context, parent_process
+from contextlib import suppress
+from functools import lru_cache
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Thread
 from typing import Any
 
+from joblib import cpu_count, wrap_non_picklable_objects
+from joblib.externals.loky import ProcessPoolExecutor, process_executor
+
 #: variables that limit each process to one thread, since processes share the cores
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-GUARD = (
-    "A script has to call this under `if __name__ == '__main__':`, since each process "
-    "reads the script anew"
-)
-WORK: list[
-    Any
-] = []  # in a process: the function, and the arguments that all tasks share
 
 
 def spread(
@@ -32,16 +30,19 @@ def spread(
     """
     Yield the result of a function for each task, in the order of the tasks.
 
+    Each call starts processes of its own, which end with it. joblib would keep them for
+    the next call, which waits for ever if the results of this one are not all taken.
+
     Parameters
     ----------
     function : callable
-        Function at module level, called as ``function(*shared, *task)``.
+        Called as ``function(*shared, *task)``.
     tasks : iterable of tuple
     processes : int, optional
         Number of processes, by default the number of cores. With 1 all tasks run in
         this process.
     shared : tuple
-        Arguments that all tasks share; each process gets them once.
+        Arguments that all tasks share; each process reads them once.
 
     Yields
     ------
@@ -53,87 +54,54 @@ def spread(
         If a process ends before its work is done.
     """
     tasks = list(tasks)
-    processes = min(processes or cores(), max(len(tasks), 1))
+    processes = min(processes or cpu_count(), max(len(tasks), 1))
     if processes == 1:
         yield from (function(*shared, *task) for task in tasks)
         return
-    how: dict[str, Any] = dict(mp_context=get_context("spawn"), initializer=begin)
-    with (
-        one_thread_each(),
-        kept(shared) as path,
-        ProcessPoolExecutor(processes, initargs=(function, path), **how) as pool,
-    ):
-        try:
-            yield from pool.map(work, tasks)
-        except BrokenProcessPool as error:
-            raise RuntimeError(
-                f"a process ended before its work was done. {GUARD}; where memory is "
-                "short give fewer processes, and processes=1 needs none"
-            ) from error
-
-
-@contextmanager
-def kept(shared: tuple) -> Iterator[Path]:
-    """
-    A temporary file of the arguments that all tasks share.
-
-    Data in the pipe to a new process have to be small: Python waits for ever if a
-    process ends before it has read more than the pipe holds.
-    """
-    with TemporaryDirectory(prefix="pvlib_fem-") as folder:
+    # the processes end if nobody holds the other end, even if this one is killed
+    line, held = Pipe(duplex=False)
+    with TemporaryDirectory(prefix="pvlib_fem-") as folder, line:
         path = Path(folder, "shared.pickle")
-        path.write_bytes(pickle.dumps(shared, pickle.HIGHEST_PROTOCOL))
-        yield path
+        packed = wrap_non_picklable_objects((function, shared), keep_wrapper=False)
+        path.write_bytes(pickle.dumps(packed, pickle.HIGHEST_PROTOCOL))
+        how: dict[str, Any] = dict(initializer=begin, initargs=(line,))
+        pool = ProcessPoolExecutor(processes, **how, env=dict.fromkeys(THREADS, "1"))
+        try:
+            waiting = deque(pool.submit(work, path, task) for task in tasks)
+            while waiting:
+                yield waiting.popleft().result()
+            pool.shutdown()
+        except process_executor.TerminatedWorkerError as error:
+            raise RuntimeError(
+                "a process ended before its work was done; where memory is short, give "
+                "fewer processes, and processes=1 needs none"
+            ) from error
+        finally:
+            held.close()
+            pool.shutdown()
 
 
-def refuse_anew() -> None:
-    """
-    Refuse a call in a process that still imports the script of its parent.
-
-    Otherwise each process would repeat the work that precedes the call.
-
-    Raises
-    ------
-    RuntimeError
-    """
-    # Python checks this only when the process starts another
-    if getattr(current_process(), "_inheriting", False):
-        raise RuntimeError(GUARD)
+def begin(line: Connection) -> None:
+    # a terminal sends Ctrl-C to the processes, too; they end without a traceback
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    # otherwise loky restarts a process that grows by 300 MB, and warns of it in a
+    # thread; where warnings are errors, the thread ends and the call waits for ever
+    process_executor._USE_PSUTIL = False
+    Thread(target=end_with, args=(line,), daemon=True).start()
 
 
-def cores() -> int:
-    """Cores that this process may use."""
-    usable = getattr(os, "process_cpu_count", os.cpu_count)
-    return usable() or 1
-
-
-@contextmanager
-def one_thread_each() -> Iterator[None]:
-    """Start processes with one BLAS thread each."""
-    before = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(THREADS, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
-
-
-def begin(function: Callable, path: Path) -> None:
-    WORK[:] = [function, pickle.loads(path.read_bytes())]
-    Thread(target=end_with_parent, daemon=True).start()
-
-
-def end_with_parent() -> None:
-    """End with the parent; otherwise a process would wait for work for ever."""
-    if (parent := parent_process()) is not None:
-        parent.join()
+def end_with(line: Connection) -> None:
+    with suppress(EOFError):
+        line.recv()
     os._exit(1)
 
 
-def work(task: tuple) -> Any:
-    function, shared = WORK
+def work(path: Path, task: tuple) -> Any:
+    function, shared = loaded(path)
     return function(*shared, *task)
+
+
+@lru_cache(maxsize=1)
+def loaded(path: Path) -> Any:
+    """The function and the arguments that all tasks share."""
+    return pickle.loads(path.read_bytes())

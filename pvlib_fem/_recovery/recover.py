@@ -16,7 +16,7 @@ from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.planes import with_given
 from pvlib_fem._loop.progress import item_counter
 from pvlib_fem._loop.replacements import Replacements
-from pvlib_fem._parallel import refuse_anew, spread
+from pvlib_fem._parallel import spread
 from pvlib_fem._record.column_names import ALWAYS
 from pvlib_fem._recovery.checkpoint import (
     digest,
@@ -104,7 +104,7 @@ def recover_effects(
         fault of the irradiance sensor is then one in the plane of the module.
     processes : int, optional
         Number of parallel processes, by default the number of cores. The result does
-        not depend on it. A script needs ``if __name__ == "__main__":``.
+        not depend on it.
     path : str or path-like, optional
         JSON file for the results so far, written after each injection. If it exists
         with the same record, arguments and version, only the missing part is computed.
@@ -179,7 +179,6 @@ def recover_effects(
     """
     from pvlib_fem import __version__  # here, because of circular imports
 
-    refuse_anew()
     criteria = criteria or Criteria()
     how: dict[str, Any] = dict(
         holdout=holdout, effects=tried, check_units=check_units, fixed=fixed

@@ -164,6 +164,7 @@ def test_outside_libraries_have_one_place_each():
         "click": "_cli",
         "tqdm": "_loop",
         "threadpoolctl": "_loop",
+        "joblib": "_parallel",
         "sklearn": "_ceiling",
         "pooch": "datasets",
         "distributed": "fleet",

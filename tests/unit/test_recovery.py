@@ -1,7 +1,5 @@
 """Effects added to a record, and the findings of the loop."""
 
-import subprocess
-import sys
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -268,30 +266,3 @@ def test_the_picture_has_the_shares_by_size(recovery):
         np.testing.assert_array_equal(line.get_xdata(), part.index)
         np.testing.assert_array_equal(line.get_ydata(), part)
     axes.figure.clear()
-
-
-UNGUARDED = """
-import os, pathlib
-import pvlib_fem as fem
-from pvlib_fem._recovery import recover as room
-
-def searched(*args, search=room.finished_search, **how):
-    pathlib.Path({folder!r}, str(os.getpid())).touch()
-    return search(*args, **how)
-
-room.finished_search = searched
-data = fem.simulator.record(days=70, step=3600)
-room.recover_effects(data, "module_offset_step", sizes=[3], draws=2, processes=2)
-"""
-
-
-def test_a_script_without_its_guard_closes_one_loop_and_is_told(tmp_path):
-    script = tmp_path / "script.py"
-    (tmp_path / "loops").mkdir()
-    script.write_text(UNGUARDED.format(folder=str(tmp_path / "loops")))
-    ended = subprocess.run(
-        [sys.executable, script], capture_output=True, text=True, timeout=300
-    )
-    assert ended.returncode != 0
-    assert "has to call this under `if __name__ == '__main__':`" in ended.stderr
-    assert len([*(tmp_path / "loops").iterdir()]) == 1
