@@ -19,7 +19,7 @@ from pvlib_fem._loop.correct_clock import module_clock
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.design import Design
-from pvlib_fem._loop.dictionary import Column
+from pvlib_fem._loop.dictionary import Changed
 from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.leaks import leaks
 from pvlib_fem._loop.loop_files import Reading
@@ -316,6 +316,17 @@ class Round:
     def names(self) -> list[str]:
         return [one.top.name for one in self.choices]
 
+    @property
+    def chosen(self) -> frozenset[str]:
+        """
+        The chosen columns by name, and changes with their dates.
+
+        The places of columns differ between linearisations.
+        """
+        names = self.selection.design.names
+        columns = [column for one in self.choices for column in one.top.columns]
+        return frozenset(c.key if isinstance(c, Changed) else names[c] for c in columns)
+
 
 @dataclass(eq=False)
 class Search:
@@ -397,12 +408,11 @@ class Search:
     def converged(self, plain: Step) -> Step:
         """The last step, when one more linearisation chooses the same effects."""
         step = plain
-        seen: list[set[Column]] = []
+        seen: set[frozenset[str]] = set()
         for turn in range(MOST_ROUNDS):
             self.report(f"weighing effects, round {turn + 1}")
             this = self.round(step)
-            key = {column for one in this.choices for column in one.top.columns}
-            if key in seen:
+            if this.chosen in seen:
                 break
             self.report(f"fitting {', '.join(this.names) or 'no further effect'}")
             fit = self.with_effects(plain, this.choices)
@@ -413,7 +423,7 @@ class Search:
             if out:  # the smallest, which may be there for what another is not
                 self.closed |= {out[-1]}
                 continue
-            seen.append(key)
+            seen.add(this.chosen)
             step = fit
         self.last = this
         return self.with_findings(plain, this, step.coefficients)

@@ -8,6 +8,7 @@ from hypothesis import given, strategies as st
 
 from pvlib_fem import Criteria, close_loop, simulator
 from pvlib_fem._findings import OUTSIDE
+from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.design import Design, independent_columns
 from pvlib_fem._loop.dictionary import (
     Candidate,
@@ -554,3 +555,19 @@ def test_columns_that_are_sums_of_others_are_no_columns_of_an_effect(seed, times
     assert independent_columns(cells, rows, [0, 1, 3]) == (0, 1, 3)
     cells[1:, 1:] = 0.0
     assert independent_columns(cells, rows, [1, 2, 3]) == (1,)
+
+
+def test_a_linearisation_that_chooses_the_same_effects_is_the_last(monkeypatch):
+    """A model with effects has its columns at other places than one without."""
+    sets, every = [], Search.round
+
+    def noted(search, step):
+        last = every(search, step)
+        sets.append({one.top.name for one in last.choices})
+        return last
+
+    monkeypatch.setattr(Search, "round", noted)
+    three = dict.fromkeys(["sky_radiation", "wind_direction", "rain"], 1.0)
+    effects = simulator.PHYSICS | three
+    close_loop(simulator.record(effects=effects, days=200, step=900, seed=2))
+    assert sets[0] and sets.index(sets[-1]) == len(sets) - 2
