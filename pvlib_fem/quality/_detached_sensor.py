@@ -17,7 +17,7 @@ FEWEST = 5  # sunny days
 LASTS = 10  # days of a level that is the attached sensor's
 LOWEST = 1e-3  # K m²/W, what stands for none
 LAW = Law(
-    np.arange(-4.0, 1.0, 0.1),  # logarithms
+    np.arange(-4.0, 3.0, 0.1),  # logarithms; a sensor may be off on most days
     odds=1e-4,
     accident=0.1,
     least=0.1,
@@ -28,7 +28,7 @@ LAW = Law(
 #: share of the attached sensor's temperature rise below which a sensor is off; a poor
 #: contact shows more
 MAX_SHARE = 0.25
-HALF = 0.5  # of the attached sensor's, what a sensor that is off does not reach
+HALF = 0.5  # of what the attached sensor shows, or of the days with sun
 MAX_APART = 0.1  # share of sunny rows in which it may all the same
 EDGE = 2  # sunny days on each side of an edge, in which its time is looked for
 NEAR = 30  # sunny days on each side, which it is compared with
@@ -49,12 +49,22 @@ class SunnyDays:
         Days since 1970-01-01 that have such rows.
     rise : array, shape (days,)
         Temperature rise over air by irradiance. [K m²/W]
+    lit : array of int, shape (lit days,)
+        Days with sun, with those on which the module may be under snow.
     """
 
     rows: np.ndarray
     place: np.ndarray
     days: np.ndarray
     rise: np.ndarray
+    lit: np.ndarray
+
+    def thawed(self, first: int, end: int) -> float:
+        """Share of the days with sun, from one day to another, without snow."""
+        start = self.days[first] if first else self.lit[0]
+        stop = self.days[end - 1] if end < len(self.days) else self.lit[-1]
+        edges = start, stop + 1
+        return (end - first) / max(int(np.ptp(np.searchsorted(self.lit, edges))), 1)
 
 
 def sunny_days(
@@ -74,10 +84,11 @@ def sunny_days(
     -------
     SunnyDays
     """
-    rows = np.flatnonzero((poa > SUNNY) & (module > THAWED) & np.isfinite(air))
+    lit = np.flatnonzero((poa > SUNNY) & np.isfinite(module + air))
+    rows = lit[module[lit] > THAWED]
     days, place = np.unique(dates[rows], return_inverse=True)
     rise = np.bincount(place, (module - air)[rows]) / np.bincount(place, poa[rows])
-    return SunnyDays(rows, place, days, rise)
+    return SunnyDays(rows, place, days, rise, np.unique(dates[lit]))
 
 
 def detached_days(
@@ -113,7 +124,8 @@ def detached_days(
     long = [
         one for one, number in zip(levels, lasts) if number >= min(LASTS, len(days))
     ]
-    best = max((height[one] for one in long), default=np.nan)
+    possible = [height[one] for one in long if height[one] <= GAIN[1]]
+    best = max(possible, default=np.nan)
     least = np.fmax(GAIN[0], max_share * best)
     off = np.array([height[one] < least for one in path.level], dtype=bool)
     return off, float(best) if best >= GAIN[0] else np.nan
@@ -296,15 +308,21 @@ def detachments_of(
     for first, end in runs.tolist():
         sides = [on[on < first][-NEAR:], on[on >= end][:NEAR]]
         sides = [side for side in sides if len(side) >= LASTS]
-        if not sides:
+        # where modules are mostly below freezing, snow may lie on other days, too
+        if not sides or sunny.thawed(first, end) < HALF:
             continue
         shown = light.of_days(np.arange(first, end))
         attached = min(light.of_days(side).rise_in(shown) for side in sides)
         level = float(np.median(rise[first:end]))
-        if attached < GAIN[0] or abs(level) > MAX_SHARE * attached:
+        near = light.of_days(np.concatenate(sides))
+        # the rise in the weak light of another season is known less well
+        weak = min(shown.poa.mean() / near.poa.mean(), 1.0)
+        if (
+            not GAIN[0] <= attached <= GAIN[1]
+            or abs(level) > MAX_SHARE * weak * attached
+        ):
             continue
         since, until = rows_off(light, first, end, runs, (attached, level))
-        near = light.of_days(np.concatenate(sides))
         if until <= since or not shows_air(light.part(slice(since, until)), near):
             continue
         begins, ends = since > 0, until < len(rows)

@@ -84,6 +84,13 @@ def test_its_rows_are_found(year, spans, share):
         assert (np.flatnonzero(inside) == np.arange(first, end)).all()
 
 
+def test_it_is_found_where_the_sensor_is_off_on_most_days(year):
+    """The usual level is then that of the air."""
+    ((one, _, end),) = found_in(in_air(year, ("2023-01-01", "2023-09-10 12:00")))
+    off = np.flatnonzero(within(year, "2023-01-01", "2023-09-10 12:00"))
+    assert 0 <= end - off[-1] < 48 and one.start == "" and one.attached > 0.02
+
+
 def change(data, name, values, span=("2023-06-01", "2023-06-22")):
     data = data.copy()
     off = within(data, *span)
