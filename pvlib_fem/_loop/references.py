@@ -439,14 +439,21 @@ def independent_months(values: np.ndarray, months: np.ndarray) -> float:
 
 
 def outcome_of(size: float, expected: float, error: float) -> CheckOutcome:
-    """Whether a size is significantly nearer to the expected one than to 0."""
+    """
+    Whether a size is significantly nearer to the expected one than to 0.
+
+    A size that is significantly nearer to twice the expected one has another cause, or
+    a further one: it cannot tell.
+    """
     if expected == 0.0:
         return CheckOutcome.CANNOT_TELL
-    beyond = (size - HALF * expected) / expected
+    ratio = size / expected
     sure = SURE * np.hypot(error, HALF * SLACK * expected) / abs(expected)
-    if beyond > sure:
+    if ratio < HALF - sure:
+        return CheckOutcome.CONTRADICTS
+    if HALF + sure < ratio < 2.0 - HALF + sure:
         return CheckOutcome.AGREES
-    return CheckOutcome.CONTRADICTS if beyond < -sure else CheckOutcome.CANNOT_TELL
+    return CheckOutcome.CANNOT_TELL
 
 
 def compared_columns(case: "Case") -> dict[str, np.ndarray]:

@@ -212,6 +212,16 @@ def test_a_clear_sky_shows_what_a_sensor_fades(fading, angles, late):
         assert outcome_of(size, little, error) is CheckOutcome.CANNOT_TELL
 
 
+@pytest.mark.parametrize(
+    ("size", "outcome"),
+    [(0.0, "contradicts"), (0.05, "cannot tell"), (0.1, "agrees"), (0.3, "cannot tell")],
+)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_reading_far_beyond_the_expected_one_does_not_agree(size, outcome, sign):
+    """Three times as much has another cause, or a further one."""
+    assert outcome_of(sign * size, sign * 0.1, 0.01) is CheckOutcome(outcome)
+
+
 def test_what_needs_no_module_is_compared_on_all_weeks():
     """Its temperature on the weeks of the test is for the test alone."""
     poa = under_clouds()
