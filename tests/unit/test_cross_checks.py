@@ -214,7 +214,12 @@ def test_a_clear_sky_shows_what_a_sensor_fades(fading, angles, late):
 
 @pytest.mark.parametrize(
     ("size", "outcome"),
-    [(0.0, "contradicts"), (0.05, "cannot tell"), (0.1, "agrees"), (0.3, "cannot tell")],
+    [
+        (0.0, "contradicts"),
+        (0.05, "cannot tell"),
+        (0.1, "agrees"),
+        (0.3, "cannot tell"),
+    ],
 )
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_reading_far_beyond_the_expected_one_does_not_agree(size, outcome, sign):
