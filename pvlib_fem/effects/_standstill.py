@@ -8,23 +8,23 @@ them it is linear in the angle.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from pvlib_fem._statistics.extremes import rounded_argmax
 from pvlib_fem.drivers._planes import angles_of, normals
-from pvlib_fem.effects._standstill_days import SHORTEST, Days, square_reductions
+from pvlib_fem.effects._standstill_days import SHORTEST, Days, without_covers
 
 STEP = 10.0  # ° between planes that are tried; the light between is within 0.4 %
 LEAST_TURN = 10.0  # ° from the first to the last angle of a plane that moves
 OFF_AXIS = 0.05  # root mean square of what is not perpendicular to the axis
-NEAR = 3  # days by which dates move with the angle
 LEVEL = 3.0  # ° of tilt, below which a plane has no direction
 COMPASS = (
     *("north", "north-east", "east", "south-east"),
     *("south", "south-west", "west", "north-west"),
 )
-BETWEEN = (0.1, 0.2, 0.3, 0.4, 0.5)  # of the way from a plane to the next
+BETWEEN = 10  # steps from a plane to the next
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +136,8 @@ def find_standstill(
     The days on which a tracker stands, and the angle.
 
     A standstill changes light by its direction. It is found by what it explains given
-    an even loss of light on the same days, as by snow that an effect has not described.
+    a cover on each day, as by snow that an effect has not described: light that is lost
+    evenly until an hour of the day, and from it on.
 
     Parameters
     ----------
@@ -162,39 +163,45 @@ def find_standstill(
         Angle [°], first day, first day after it, and the days between which it began
         and ended.
     """
-    days = Days.from_rows(rest, even, basis, day)
+    days = Days.from_rows(rest, basis, day)
     lengths = days.lengths
     if not len(lengths):
         return None
-    each = [days.best(days.sums(tangent), lengths) for tangent in tangents]
+    covers = days.covers(even)
+    directed = [without_covers(tangent, even, covers) for tangent in tangents]
+    parts = [days.sums(*both) for both in zip(tangents, directed)]
+    each = [days.best(part, lengths) for part in parts]
     at = rounded_argmax([fall for fall, *_ in each])
     fall, first, last = each[at]
     if not fall > 0.0:
         return None
-    best = fall, angles[at], tangents[at], first, last
-    near = np.arange(max(SHORTEST, last - first - NEAR), last - first + NEAR + 1)
-    for other in (at - 1, at + 1):
-        if not 0 <= other < len(angles):
-            continue
-        for share in BETWEEN:
-            tangent = tangents[at] + share * (tangents[other] - tangents[at])
-            fall, first, last = days.best(days.sums(tangent), near)
-            if fall > best[0]:
-                angle = angles[at] + share * (angles[other] - angles[at])
-                best = fall, angle, tangent, first, last
-    _, angle, tangent, first, last = best
-    total = days.sums(tangent)
-    gained, _ = square_reductions(*total.between(first, last).plain)
-    if not gained > len(rest) * least**2:
+    # if they stand on these days, all of the light says at which angle
+    places = at + np.linspace(-1.0, 1.0, 1 + 2 * BETWEEN)
+    places = places[(places >= 0.0) & (places <= len(angles) - 1.0)]
+    totals = [days.sums(at_place(tangents, place)) for place in places]
+    falls = [float(total.reductions(first, last)) for total in totals]
+    best = rounded_argmax(falls)
+    total, place = totals[best], places[best]
+    part = days.sums(*(at_place(each, place) for each in (tangents, directed)))
+    if not (falls[best] > len(rest) * least**2 and part.reductions(first, last) > 0.0):
         return None
     # largest of so many standard normal values by chance
     tried = len(days.dates) * len(lengths) * len(angles)
-    if days.errors(total, first, last, "directed") < np.sqrt(2.0 * np.log(tried)):
+    if days.errors(part, first, last) < np.sqrt(2.0 * np.log(tried)):
         return None
-    errors = days.errors(total, first, last, "plain")
+    errors = days.errors(total, first, last)
     start, end, *intervals = days.edges(total, first, last, errors)
     # days that show nothing are no evidence of a length that is tried
-    if end - start < SHORTEST:
+    if np.sum((days.dates >= start) & (days.dates < end)) < SHORTEST:
         return None
     began, ended = intervals
-    return float(angle), start, end, began, ended
+    return float(at_place(angles, place)), start, end, began, ended
+
+
+def at_place(values: Any, place: float) -> Any:
+    """The value at a place in a sequence, linear between two of its values."""
+    low = int(place)
+    share = place - low
+    if not share:
+        return values[low]
+    return values[low] + share * (values[low + 1] - values[low])

@@ -2,9 +2,9 @@
 Sums of days, by which the days of a tracker that does not turn are found.
 
 A standstill changes light by its direction: at some hours all of the beam is missing,
-at the hour at which the tracker passes the angle nothing, and under clouds little. What
-light that is lost evenly explains as well, as under snow that has not slid off, is no
-evidence of a standstill.
+at the hour at which the tracker passes the angle nothing, and under clouds little. A
+cover, as snow, takes light evenly, until it slides off or from when it falls. What a
+cover of the same day explains as well is no evidence of a standstill.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from pvlib_fem._statistics.extremes import as_normal, rounded_argmax
 
 SIZES = (0.7, 1.3)  # shares: it stands as a whole, and the light is estimated
 POSSIBLE = (0.5, 1.5)  # shares beyond which it is something else
-SHORTEST = 3  # days
+SHORTEST = 2  # days: the size that one shows has to hold on another
 EVERY = 60  # days, up to which each length is tried
 LONGER = 1.1  # ratio of longer lengths
 LONGEST = 0.2  # of the days of a record
@@ -25,27 +25,31 @@ NOTHING = 1.0  # twice the log-likelihood below which days at an edge show nothi
 AS_GOOD = 3.84  # twice the log-likelihood by which 95 % of dates are as good
 MOST_SURE = 6.0  # standard errors, beyond which a date is not surer
 WEEK, FEWEST = 7, 8  # days of which others are compared, and how many of these
+SECONDS, HOURS = 86400, 24  # of a day
 Day = int | np.ndarray  # number of a day among those that have rows, or of several
 
 
 @dataclass(frozen=True, eq=False)
 class Sums:
     """
-    Sums of products before each day: of a standstill, and of an even loss of light.
+    Sums of products of the part of a response that is looked at, before each day.
 
     Attributes
     ----------
-    scores : array, shape (2, days + 1)
+    score : array, shape (days + 1,)
         With the residual.
-    squares : array, shape (3, days + 1)
-        Of the standstill with itself and with the even loss, and of that with itself.
-    known : array, shape (2, columns, days + 1)
+    square : array, shape (days + 1,)
+        With itself.
+    known : array, shape (columns, days + 1)
         With the coefficients of the fit.
+    taken : array, shape (columns, days + 1)
+        Products of the whole response with them, of which they have taken a part.
     """
 
-    scores: np.ndarray
-    squares: np.ndarray
+    score: np.ndarray
+    square: np.ndarray
     known: np.ndarray
+    taken: np.ndarray
 
     def between(self, first: Day, last: Day) -> "Sums":
         """The sums from one day until another, which is the first one after."""
@@ -53,25 +57,53 @@ class Sums:
         return Sums(*every)
 
     @property
-    def given_fit(self) -> np.ndarray:
-        """The squares, given the fit."""
-        stands, even = self.known
-        products = stands * stands, stands * even, even * even
-        return self.squares - np.array([np.sum(one, axis=0) for one in products])
+    def square_given_fit(self) -> np.ndarray:
+        """Of the part without what the coefficients explain of it. [K²]"""
+        return independent_part(
+            self.square - np.sum(self.known**2, axis=0), self.square
+        )
 
     @property
-    def plain(self) -> tuple[np.ndarray, np.ndarray]:
-        """Products of the standstill with residual and itself, given the fit."""
-        return self.scores[0], independent_part(self.given_fit[0], self.squares[0])
+    def response(self) -> np.ndarray:
+        """Score for a whole response of size 1 that the fit did not know. [K²]"""
+        kept = self.square - np.sum(self.known * self.taken, axis=0)
+        return independent_part(kept, self.square)
 
-    @property
-    def directed(self) -> tuple[np.ndarray, np.ndarray]:
-        """Products with residual and itself, given an even loss of light, too."""
-        own, both, even = self.given_fit
-        even = independent_part(even, self.squares[2])
-        alike = np.divide(both, even, out=np.zeros_like(even), where=even > 0.0)
-        score = self.scores[0] - alike * self.scores[1]
-        return score, independent_part(own - alike * both, self.squares[0])
+    def reductions(self, first: Day, last: Day) -> np.ndarray:
+        """Fall of the sum of squares if it is from one day until another. [K²]"""
+        there = self.between(first, last)
+        size = ratio(there.score, there.response)
+        likely = np.clip(size, *SIZES)
+        most = 2.0 * likely * there.score - likely**2 * there.response
+        return np.where((size > POSSIBLE[0]) & (size < POSSIBLE[1]), most, 0.0)
+
+
+def ratio(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Ratio of two arrays; 0 where the other one is not positive."""
+    one, other = np.asarray(one), np.asarray(other)
+    return np.divide(one, other, out=np.zeros_like(one), where=other > 0.0)
+
+
+def without_covers(
+    tangent: np.ndarray, even: np.ndarray, covers: np.ndarray
+) -> np.ndarray:
+    """
+    The part of a response that no even loss of light explains within a cover.
+
+    Parameters
+    ----------
+    tangent, even : array, shape (rows,)
+        Response to a standstill, and to light that is lost evenly. [K]
+    covers : array of int, shape (rows,)
+        From :meth:`Days.covers`.
+
+    Returns
+    -------
+    array, shape (rows,)
+        [K]
+    """
+    both, square = (np.bincount(covers, even * one) for one in (tangent, even))
+    return tangent - ratio(both, square)[covers] * even
 
 
 def independent_part(independent: np.ndarray, square: np.ndarray) -> np.ndarray:
@@ -80,46 +112,22 @@ def independent_part(independent: np.ndarray, square: np.ndarray) -> np.ndarray:
     return np.where(kept, independent, 0.0)
 
 
-def square_reductions(
-    score: np.ndarray, square: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """
-    Fall of the sum of squares by a standstill, and its size.
-
-    Parameters
-    ----------
-    score, square : array
-        Its products with the residual and with itself. [K²]
-
-    Returns
-    -------
-    fall, size : array
-        [K²], [-]
-    """
-    score, square = np.asarray(score), np.asarray(square)
-    size = np.divide(score, square, out=np.zeros_like(score), where=square > 0.0)
-    likely = np.clip(size, *SIZES)
-    most = 2.0 * likely * score - likely**2 * square
-    return np.where((size > POSSIBLE[0]) & (size < POSSIBLE[1]), most, 0.0), size
-
-
 @dataclass(frozen=True, eq=False)
 class Days:
     """Daily sums of products with the residual and the coefficients of a fit."""
 
     rest: np.ndarray
-    even: np.ndarray  # response to an even loss of light
     basis: np.ndarray  # rows by orthonormal columns
+    times: np.ndarray  # of each row [s]
     first: np.ndarray  # row of each day
     dates: np.ndarray
 
     @classmethod
-    def from_rows(
-        cls, rest: np.ndarray, even: np.ndarray, basis: np.ndarray, day: np.ndarray
-    ) -> "Days":
-        dates = np.floor(day).astype(int)
+    def from_rows(cls, rest: np.ndarray, basis: np.ndarray, day: np.ndarray) -> "Days":
+        times = np.round(np.asarray(day) * SECONDS).astype(int)
+        dates = times // SECONDS
         first = np.flatnonzero(np.diff(dates, prepend=dates[:1] - 1))
-        return cls(rest, even, basis, first, dates[first])
+        return cls(rest, basis, times, first, dates[first])
 
     @property
     def lengths(self) -> np.ndarray:
@@ -130,14 +138,45 @@ class Days:
         every = np.arange(SHORTEST, min(EVERY, most) + 1)
         return np.unique(np.append(every, longer.astype(int)))
 
-    def sums(self, tangent: np.ndarray) -> Sums:
-        """Sums of products of a tangent, and of an even loss, before each day."""
-        even = self.even
-        return Sums(
-            self.before([tangent * self.rest, even * self.rest]),
-            self.before([tangent**2, tangent * even, even**2]),
-            np.stack([self.before(self.basis.T * one) for one in (tangent, even)]),
+    def covers(self, even: np.ndarray) -> np.ndarray:
+        """
+        Number of the cover of each row: until an hour of its day, or from it on.
+
+        The hour is that at which two even losses of light explain most of the day.
+
+        Parameters
+        ----------
+        even : array, shape (rows,)
+            Response to light that is lost evenly. [K]
+
+        Returns
+        -------
+        array of int, shape (rows,)
+        """
+        day = np.repeat(
+            np.arange(len(self.dates)), np.diff(self.first, append=len(even))
         )
+        hour = self.times % SECONDS * HOURS // SECONDS
+        shape = len(self.dates), HOURS
+        score, square = (
+            np.bincount(day * HOURS + hour, even * one, minlength=np.prod(shape))
+            .reshape(shape)
+            .cumsum(axis=1)
+            for one in (self.rest, even)
+        )
+        explained = ratio(score**2, square)
+        explained += ratio((score[:, -1:] - score) ** 2, square[:, -1:] - square)
+        return 2 * day + (hour > np.argmax(explained, axis=1)[day])
+
+    def sums(self, tangent: np.ndarray, part: np.ndarray | None = None) -> Sums:
+        """Sums of products of a tangent, or of a part of it, before each day."""
+        taken = self.before(self.basis.T * tangent)
+        if part is None:
+            part, known = tangent, taken
+        else:
+            known = self.before(self.basis.T * part)
+        score, square = self.before([part * self.rest, part**2])
+        return Sums(score, square, known, taken)
 
     def before(self, products: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
         """Sums of some products before each day, and of all."""
@@ -145,23 +184,17 @@ class Days:
         return np.pad(daily, [(0, 0), (1, 0)]).cumsum(axis=1)
 
     def best(self, total: Sums, lengths: np.ndarray) -> tuple[float, int, int]:
-        """
-        The best standstill of some lengths: its fall, first day, first day after.
-
-        Light that is lost evenly, by snow or dirt, is no evidence of a standstill.
-        """
+        """The best standstill of some lengths: its fall, first day, first day after."""
         best = (0.0, 0, 0)
         for length in lengths.tolist():
             first = np.arange(len(self.dates) - length + 1)
-            reductions, _ = square_reductions(
-                *total.between(first, first + length).directed
-            )
+            reductions = total.reductions(first, first + length)
             at = rounded_argmax(reductions)
             if reductions[at] > best[0]:
                 best = float(reductions[at]), at, at + length
         return best
 
-    def errors(self, total: Sums, first: int, last: int, way: str) -> float:
+    def errors(self, total: Sums, first: int, last: int) -> float:
         """
         Size in standard errors, from the size of the same plane on other days.
 
@@ -172,26 +205,20 @@ class Days:
         total : Sums
         first, last : int
             Numbers of the first day, and of the first day after it.
-        way : str
-            ``"plain"``, or ``"directed"`` for the size given an even loss of light.
         """
         length = min(last - first, WEEK)
         before = np.arange(first - length, -1, -length)[::-1]
         others = np.append(before, np.arange(last, len(self.dates) - length, length))
         each, own = total.between(others, others + length), total.between(first, last)
-        score, square = getattr(own, way)
-        _, size = square_reductions(score, square)
         # without what the coefficients have taken of the standstill
-        taken = np.einsum("c,sco->so", own.known[0], each.known)
-        each = Sums(each.scores + size * taken, each.squares, each.known)
-        scores, squares = getattr(each, way)
-        chance = scores / np.sqrt(np.maximum(squares, 1e-300))
+        taken = ratio(own.score, own.response) * (own.taken @ each.known)
+        chance = ratio(each.score + taken, np.sqrt(each.square_given_fit))
         if len(others) < FEWEST or not chance.any():
             return 0.0
         memory = max(float(np.corrcoef(chance[1:], chance[:-1])[0, 1]), 0.0)
         wider = (1.0 + memory) / max(1.0 - memory, 1e-3)
-        noise = np.sqrt(max(float(square), 1e-300) * wider * np.mean(chance**2))
-        return as_normal(score / noise, max(len(others) / wider, 1.0))
+        noise = np.sqrt(own.square_given_fit * wider * np.mean(chance**2))
+        return as_normal(ratio(own.score, noise), max(len(others) / wider, 1.0))
 
     def edges(
         self, total: Sums, first: int, last: int, errors: float
@@ -203,17 +230,13 @@ class Days:
         be days without rows, as those of test weeks, of which nothing is known.
         """
         begins, ends = np.arange(last), np.arange(first + 1, len(self.dates) + 1)
-        reductions, _ = square_reductions(
-            *total.between(begins, np.full(len(begins), last)).plain
-        )
+        reductions = total.reductions(begins, np.full(len(begins), last))
         shortfall = 1.0 - reductions / reductions.max()
         start = int(self.dates[begins[shortfall * errors**2 <= NOTHING][-1]])
         good = begins[shortfall * min(errors, MOST_SURE) ** 2 <= AS_GOOD]
         before = self.dates[good[0] - 1] + 1 if good[0] else self.dates[0]
         began = int(before), int(self.dates[good[-1]])
-        reductions, _ = square_reductions(
-            *total.between(np.full(len(ends), first), ends).plain
-        )
+        reductions = total.reductions(np.full(len(ends), first), ends)
         shortfall = 1.0 - reductions / reductions.max()
         end = int(self.dates[ends[shortfall * errors**2 <= NOTHING][0] - 1]) + 1
         good = ends[shortfall * min(errors, MOST_SURE) ** 2 <= AS_GOOD]
