@@ -19,7 +19,7 @@ from pvlib_fem._loop.correct_clock import module_clock
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.design import Design
-from pvlib_fem._loop.dictionary import Changed
+from pvlib_fem._loop.dictionary import Changed, Column
 from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.leaks import leaks
 from pvlib_fem._loop.loop_files import Reading
@@ -29,7 +29,12 @@ from pvlib_fem._loop.parquet_loop import OwnSteps, in_means, on_days
 from pvlib_fem._loop.planes import with_given
 from pvlib_fem._loop.prepare import another_plane, is_before_the_sun, prepared_case
 from pvlib_fem._loop.progress import stage_reporter
-from pvlib_fem._loop.references import cross_checks, daily_deviations, log_likelihoods
+from pvlib_fem._loop.references import (
+    DailyDeviation,
+    cross_checks,
+    daily_deviations,
+    log_likelihoods,
+)
 from pvlib_fem._loop.refit_checks import check_of_bounds
 from pvlib_fem._loop.refits import Fits, Step
 from pvlib_fem._loop.replacements import Replacements
@@ -328,6 +333,36 @@ class Round:
         return frozenset(c.key if isinstance(c, Changed) else names[c] for c in columns)
 
 
+def with_probabilities(
+    selection: Selection,
+    choice: Choice,
+    given: Sequence[Column],
+    references: Sequence[DailyDeviation],
+    coefficients: Mapping[str, float],
+) -> Choice:
+    """
+    A choice with the probability of each of its members, and of a cause outside.
+
+    Parameters
+    ----------
+    selection : Selection
+    choice : Choice
+        With members and their weights.
+    given : sequence of int or Changed
+        Columns of the base and of the other choices.
+    references : sequence of DailyDeviation
+        Cross-checks.
+    coefficients : dict
+        Of the fitted model.
+
+    Returns
+    -------
+    Choice
+    """
+    logs = log_likelihoods(references, choice, coefficients)
+    return with_outside(selection.design, choice, given, selection.criteria, logs)
+
+
 @dataclass(eq=False)
 class Search:
     """A case, and what was found in it so far."""
@@ -495,10 +530,10 @@ class Search:
         step = plain
         reported: list[Choice] = []
         while chosen:
-            given = selection.given([*reported, *chosen[1:]])
-            one = selection.weighed(chosen[0], [*reported, *chosen[1:]])
-            logs = log_likelihoods(references, one, coefficients)
-            one = with_outside(selection.design, one, given, case.criteria, logs)
+            others = [*reported, *chosen[1:]]
+            given = selection.given(others)
+            one = selection.weighed(chosen[0], others)
+            one = with_probabilities(selection, one, given, references, coefficients)
             reported.append(one.as_first)
             chosen = chosen[1:]
             if one.first != one.top.name:

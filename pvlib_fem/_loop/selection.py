@@ -247,7 +247,7 @@ class Selection:
         self, choices: Sequence[Choice], reported: Sequence[Choice]
     ) -> list[Choice]:
         """
-        Choices that still explain something beside what is reported and all others.
+        Choices that still explain something given what is reported and all others.
 
         Parameters
         ----------
@@ -272,10 +272,11 @@ class Selection:
     def like(self, choice: Choice) -> frozenset[str]:
         """Names of all changes with the time profile of a choice."""
         profile = time_profile_of(choice.top.effect)
-        every = (one for one in self.candidates([*self.design.base]))
-        changes = (one for one in every if one.effect.sensor_fault)
-        same = (one for one in changes if time_profile_of(one.effect) == profile)
-        return frozenset(one.name for one in same) | {choice.top.name}
+        return frozenset(
+            one.name
+            for one in self.candidates(self.design.base)
+            if one.effect.sensor_fault and time_profile_of(one.effect) == profile
+        ) | {choice.top.name}
 
     def settled(
         self, choices: list[Choice], without: frozenset[str] = frozenset()
@@ -458,13 +459,6 @@ class Selection:
         gain = gain / design.count
         sizes = estimate, covariance
         return Score(keys, gain, *sizes, there, fits, seen, null, freedom)
-
-    def with_members(self, choices: Sequence[Choice]) -> list[Choice]:
-        """Choices with all candidates that may be each, and their posterior."""
-        return [
-            self.weighed(one, [*choices[:i], *choices[i + 1 :]])
-            for i, one in enumerate(choices)
-        ]
 
     def weighed(self, choice: Choice, others: Sequence[Choice]) -> Choice:
         """A choice with its rivals, by how much of its part each explains."""
@@ -737,8 +731,7 @@ def size_seen(
         Factor of the estimate; infinite if no size is enough.
     """
     plain, wide, volume = squared_distances(rows, way, covariance)
-    log_odds = np.log(probability / (1.0 - probability))
-    log_factor = log_odds - one.log_prior + one.log_dates + 0.5 * volume
+    log_factor = log_odds(probability) - one.log_prior + one.log_dates + 0.5 * volume
     # existence, solved for the square of the size
     ratio = np.exp(min(2.0 * log_factor / (freedom + len(way)), 500.0))
     if plain <= wide * ratio:

@@ -6,18 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pvlib_fem._findings import OUTSIDE
-from pvlib_fem._loop.close import Round
+from pvlib_fem._loop.close import Round, with_probabilities
 from pvlib_fem._loop.conclude import HALF, credible_names
 from pvlib_fem._loop.design import Design
 from pvlib_fem._loop.dictionary import Candidate, Changed, Column
 from pvlib_fem._loop.divided_record import Case
-from pvlib_fem._loop.noise import with_outside
 from pvlib_fem._loop.ranking import squares_given_others
-from pvlib_fem._loop.references import (
-    DailyDeviation,
-    daily_deviations,
-    log_likelihoods,
-)
+from pvlib_fem._loop.references import DailyDeviation, daily_deviations
 from pvlib_fem._loop.refits import Step
 from pvlib_fem._loop.selection import OVERLAP, Choice, Selection, selected
 from pvlib_fem._loop.threads import one_blas_thread
@@ -158,17 +153,19 @@ class Look:
         if selection.in_sample(self.one, self.given) < OVERLAP * selection.least:
             return False  # too small for any set
         selection, choices = selected(design, limits, closed, self.choices)
-        chosen = selection.with_members(choices)
-        for i, choice in enumerate(chosen):
+        references = [self.shown_by(one, sum(parts)) for one in self.references]
+        for i, one in enumerate(choices):
+            others = [*choices[:i], *choices[i + 1 :]]
+            choice = selection.weighed(one, others)
             mine = choice.members.get(self.one.name)
             if mine is None or not on_same_days(
                 mine.effect, self.one.effect, design.dates
             ):
                 continue
-            given = selection.given([*chosen[:i], *chosen[i + 1 :]])
-            references = [self.shown_by(one, sum(parts)) for one in self.references]
-            logs = log_likelihoods(references, choice, self.coefficients)
-            choice = with_outside(design, choice, given, limits, logs)
+            given = selection.given(others)
+            choice = with_probabilities(
+                selection, choice, given, references, self.coefficients
+            )
             if self.one.name in credible_names(choice, limits.min_probability):
                 return choice.probabilities[OUTSIDE] <= HALF
         return False
@@ -177,7 +174,7 @@ class Look:
         """
         Residual by a coefficient, in the cells of the design. [K]
 
-        A sensor that reads less changes the residual by what is left of its reading.
+        The residual is in proportion to the faulty reading.
         """
         design = self.selection.design
         (scale,) = design.scales([column])
