@@ -20,6 +20,7 @@ from study_page import publish
 from pvlib_fem import Criteria, close_loop, datasets
 from pvlib_fem._findings import Verdict
 from pvlib_fem._parallel import spread
+from pvlib_fem.effects._time_profiles import dates_in_words
 
 YEARS = ("eurac_bolzano", "nrel_stf")
 SHORT = ("sandia_week", "sandia_day")
@@ -83,7 +84,7 @@ def summary_of(name, seed=None):
         its = settings[one.effect]
         at, between = its.get("at", ""), its.get("between") or ()
         if "start" in its:
-            at, between = f"{its['start']} until {its['end']}", ()
+            at, between = dates_in_words({**its, "between": None}), ()
         candidates = frozenset(one.candidates)
         found.append((one.effect, str(one.verdict), candidates, at, tuple(between)))
         cross_checks += map(str, one.cross_checks)

@@ -247,7 +247,9 @@ def time_in_words(effect: Effect) -> str:
     words = dates_in_words(effect.settings) if is_dated(effect) else ""
     return {
         "step": f"from {words} on",
-        "drift": f"from year to year since {words}",
+        "drift": f"from {words}, increasingly"
+        if "end" in effect.settings
+        else f"from year to year since {words}",
         "episode": f"from {words}",
         "": "in the whole record",
     }[time_profile_of(effect)]

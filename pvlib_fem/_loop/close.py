@@ -18,8 +18,7 @@ from pvlib_fem._loop.conclude import as_hint, finding_of
 from pvlib_fem._loop.correct_clock import module_clock
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.design import Design
-from pvlib_fem._loop.dictionary import Changed, Column
+from pvlib_fem._loop.design import Changed, Column, Design
 from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.leaks import leaks
 from pvlib_fem._loop.loop_files import Reading

@@ -28,7 +28,6 @@ from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import weights_of
 
 if TYPE_CHECKING:
-    from pvlib_fem._loop.dictionary import Changed, Column
     from pvlib_fem._loop.tangents import Evidence
 
 FOLDS = 5  # groups of weeks that are held out in turn
@@ -63,6 +62,39 @@ class Hours:
     def means(self, column: np.ndarray) -> np.ndarray:
         """Mean of a column in each cell; missing values count as 0."""
         return np.add.reduceat(np.nan_to_num(column), self.first) / self.count
+
+
+@dataclass(frozen=True)
+class Changed:
+    """A column of the design times the weight that an effect has on each day."""
+
+    place: int  # of the column
+    effect: Effect = field(compare=False)  # with its dates
+    key: str = ""  # its name and dates
+
+    @classmethod
+    def from_effect(cls, place: int, effect: Effect) -> Self:
+        return cls(place, effect, f"{effect.name} {sorted(effect.settings.items())}")
+
+
+#: a column of the design by its place, or one times the weights of a change
+Column = int | Changed
+
+
+def place_of(column: Column) -> int:
+    """
+    Place in the design of a column, or of the one that a change is a part of.
+
+    Parameters
+    ----------
+    column : int or Changed
+        A column of the design, or one times the weights of a change.
+
+    Returns
+    -------
+    int
+    """
+    return column if isinstance(column, int) else column.place
 
 
 @dataclass(frozen=True, eq=False)
@@ -300,15 +332,15 @@ class Design:
         return float(self.rows.sum())
 
     @cached_property
-    def made(self) -> dict["Changed", tuple[np.ndarray, np.ndarray]]:
+    def made(self) -> dict[Changed, tuple[np.ndarray, np.ndarray]]:
         """Weights of changes, and their daily products with all columns, made once."""
         return {}
 
-    def weights(self, change: "Changed") -> np.ndarray:
+    def weights(self, change: Changed) -> np.ndarray:
         """Weight of each day of a change."""
         return weights_of(change.effect, self.dates)
 
-    def parts(self, change: "Changed") -> tuple[np.ndarray, np.ndarray]:
+    def parts(self, change: Changed) -> tuple[np.ndarray, np.ndarray]:
         """
         Weights of a change, and its daily products with every column.
 
@@ -339,7 +371,7 @@ class Design:
         """Ways to sort the cells."""
         return [*axes(self.places, self.days)]
 
-    def residual_given(self, columns: Sequence["Column"]) -> np.ndarray:
+    def residual_given(self, columns: Sequence[Column]) -> np.ndarray:
         """Residual of a fit of some columns, by cell. [K]"""
         table = np.column_stack([self.values(c) for c in columns])
         return self.cells[:, 0] - table @ coefficients_from(self.whole(columns))
@@ -372,7 +404,7 @@ class Design:
         cells[:, 0] += residual
         return replace(self, cells=cells)
 
-    def by_week(self, columns: Sequence["Column"]) -> np.ndarray:
+    def by_week(self, columns: Sequence[Column]) -> np.ndarray:
         """
         Weekly products of the residual and some columns, changes among them.
 
@@ -390,7 +422,7 @@ class Design:
 
         return self.products(columns, self.weekly, sums)
 
-    def whole(self, columns: Sequence["Column"]) -> np.ndarray:
+    def whole(self, columns: Sequence[Column]) -> np.ndarray:
         """
         Products of the residual and some columns over all weeks.
 
@@ -406,7 +438,7 @@ class Design:
 
     def products(
         self,
-        columns: Sequence["Column"],
+        columns: Sequence[Column],
         known: np.ndarray,
         sums: Callable[[np.ndarray], np.ndarray],
     ) -> np.ndarray:
@@ -421,7 +453,7 @@ class Design:
                 table[..., i, j] = table[..., j, i] = sums(self.crossed(change, other))
         return table
 
-    def crossed(self, change: "Changed", other: "Changed") -> np.ndarray:
+    def crossed(self, change: Changed, other: Changed) -> np.ndarray:
         """Daily products of two changes."""
         if self.noise:
             product = self.values(change) * self.values(other) * self.rows
@@ -429,7 +461,7 @@ class Design:
         both = self.parts(change)[0] * self.parts(other)[0]
         return both * self.daily[:, change.place, other.place]
 
-    def by_day(self, place: int, columns: Sequence["Column"]) -> np.ndarray:
+    def by_day(self, place: int, columns: Sequence[Column]) -> np.ndarray:
         """
         Daily products of one column with the residual and some others.
 
@@ -453,7 +485,7 @@ class Design:
                 table[:, i + 1] = weights * self.daily[:, place, column.place]
         return table
 
-    def values(self, column: "Column") -> np.ndarray:
+    def values(self, column: Column) -> np.ndarray:
         """A column, or a change, in the cells."""
         if isinstance(column, int):
             return self.cells[:, column]
@@ -464,13 +496,13 @@ class Design:
             return self.freed_changes[column]
         return self.cells[:, column.place] * self.weight(column)
 
-    def weight(self, change: "Changed") -> np.ndarray:
+    def weight(self, change: Changed) -> np.ndarray:
         """Weight of each cell of a change."""
         lengths = np.diff(self.first, append=len(self.days))
         return np.repeat(self.weights(change), lengths)
 
     @cached_property
-    def freed_changes(self) -> dict["Changed", np.ndarray]:
+    def freed_changes(self) -> dict[Changed, np.ndarray]:
         """Whitened changes in the cells, made once."""
         return {}
 
@@ -484,7 +516,7 @@ class Design:
         return days * hours + self.places["hour"].astype(int), (len(self.dates), hours)
 
     def placebo(
-        self, given: Sequence["Column"], own: Sequence["Column"], fit: LeastSquares
+        self, given: Sequence[Column], own: Sequence[Column], fit: LeastSquares
     ) -> tuple[np.ndarray, float]:
         """
         Covariance that an estimate would have by accident, and its freedom.
@@ -533,7 +565,7 @@ class Design:
         covariance = inverse @ (drawn @ drawn.T / drawn.shape[1]) @ inverse
         return covariance, max(shape[0] / APART - 1.0, 1.0)
 
-    def scales(self, columns: Sequence["Column"]) -> np.ndarray:
+    def scales(self, columns: Sequence[Column]) -> np.ndarray:
         """What the coefficients of some columns are to be divided by."""
         return np.array(
             [self.scale[c if isinstance(c, int) else c.place] for c in columns]
@@ -567,3 +599,24 @@ def drivers_of(
     }
     columns = {name: record[name][rows] for name in sorted(names)}
     return {name: np.nan_to_num(column) for name, column in columns.items()}
+
+
+def columns_of(design: Design, effect: Effect) -> tuple[Column, ...]:
+    """
+    Columns of an effect in a design.
+
+    Parameters
+    ----------
+    design : Design
+    effect : Effect
+        With its dates, if it is a sensor fault.
+
+    Returns
+    -------
+    tuple of int or Changed
+        Empty if the design has none.
+    """
+    if not effect.sensor_fault:
+        return design.own.get(effect.name, ())
+    place = design.sensor_faults.get(effect.sensor_fault)
+    return () if place is None else (Changed.from_effect(place, effect),)

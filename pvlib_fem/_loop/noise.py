@@ -31,8 +31,8 @@ from pvlib_fem.effects._time_profiles import weights_of
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.criteria import Criteria
-    from pvlib_fem._loop.design import Design
-    from pvlib_fem._loop.dictionary import Candidate, Column
+    from pvlib_fem._loop.design import Column, Design
+    from pvlib_fem._loop.dictionary import Candidate
     from pvlib_fem._loop.selection import Choice
 
 TINY = 1e-100  # density of what is as far as anything

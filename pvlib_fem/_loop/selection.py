@@ -6,16 +6,20 @@ from functools import cached_property
 
 import numpy as np
 
-from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.design import Design
-from pvlib_fem._loop.dictionary import (
-    DATED,
-    Candidate,
-    Column,
-    dated_candidates,
+from pvlib_fem._loop.change_dates import (
+    PROFILE_ERROR,
+    dates_cost,
     first_days,
-    place_of,
-    without_dates,
+    number_of_dates,
+)
+from pvlib_fem._loop.criteria import Criteria
+from pvlib_fem._loop.design import Column, Design, place_of
+from pvlib_fem._loop.dictionary import Candidate, dated_candidates, without_dates
+from pvlib_fem._loop.existence import (
+    log_odds,
+    probability_of_existence,
+    rows_of,
+    within_bounds,
 )
 from pvlib_fem._loop.noise import random_effects
 from pvlib_fem._statistics.tables import Table
@@ -26,8 +30,7 @@ from pvlib_fem._statistics.weekly_sums import (
     held_out,
     with_ridge,
 )
-from pvlib_fem.effects._effect import Effect, Parameter
-from pvlib_fem.effects._time_profiles import time_profile_of
+from pvlib_fem.effects._effect import Effect
 
 BETTER = 1.02  # times as much as another explains a candidate has to, to replace it
 OVERLAP = 0.3  # share of the best one's part, from which another is its rival
@@ -35,11 +38,6 @@ DOUBT = 0.5  # probability below which another is no rival
 SWEEPS = 4  # times that every choice is made anew given the others
 MOST = 10  # effects in one model
 DRAWS = 40  # of weeks, with replacement
-SIZES = 4.0  # standard deviations of sizes between the bounds of a coefficient
-MOST_SURE = 20.0  # standard errors, beyond which no time profile is surer
-DAYS_ALIKE = 8.0 / 3.0  # over z²: share of a record's dates that are as good as one
-SLACK_ERRORS = 2.0  # standard errors by which a tangent may miss a bound
-SLACK = 0.35  # share of a bound by which it may: a tangent is bent where it is large
 
 
 @dataclass(frozen=True)
@@ -150,10 +148,8 @@ class Selection:
         """The design as generalised least squares sees it."""
         return self.design.whitened(self.noise)
 
-    def run(
-        self, choices: Sequence[Choice] = (), without: frozenset[str] = frozenset()
-    ) -> list[Choice]:
-        """All choices, the largest first, beginning with some, without some names."""
+    def run(self, choices: Sequence[Choice] = (), without: str = "") -> list[Choice]:
+        """All choices, the largest first, beginning with some; one profile left out."""
         settled = self.settled([*choices], without)
         seen: set[frozenset[Column]] = set()
         while len(settled) < MOST:
@@ -171,12 +167,15 @@ class Selection:
         """
         The choices, or others that explain more, as far as these are tried.
 
-        What they explain by each effect more has to be material.
+        What they explain by each effect more has to be material, and so what is lost by
+        one less. Of as many effects, those with fewer dates need no margin.
         """
         remaining = self.remaining(choices)
         for _ in range(SWEEPS):
             for other, better in self.alternatives(choices):
-                more = max((len(other) - len(choices)) * self.least, better)
+                more = (len(other) - len(choices)) * self.least
+                if not more and dates_of(other) >= dates_of(choices):
+                    more = better
                 less = self.remaining(other)
                 if less < remaining - more:
                     choices, remaining = other, less
@@ -203,18 +202,18 @@ class Selection:
         """
         for one in choices:
             if one.top.effect.sensor_fault:
-                same = self.like(one)
+                profile = one.top.time_profile
                 others = [other for other in choices if other is not one]
-                others = self.run(others, same)
+                others = self.run(others, profile)
                 better = (BETTER - 1.0) * one.fall
                 yield self.run(others), better
-                for pair in self.hidden_pairs(others, same):
+                for pair in self.hidden_pairs(others, profile):
                     yield self.run([*others, *pair]), better
         for pair in self.hidden_pairs(choices):
             yield self.run([*choices, *pair]), 0.0
 
     def hidden_pairs(
-        self, choices: list[Choice], without: frozenset[str] = frozenset()
+        self, choices: list[Choice], without: str = ""
     ) -> Iterator[list[Choice]]:
         """
         Two changes, of which the first is not sure alone, and both are together.
@@ -223,14 +222,13 @@ class Selection:
         it.
         """
         given = self.given(choices)
-        taken = without | {one.top.name for one in choices}
-        others = self.candidates(given, taken)
+        others = self.candidates(given, names_of(choices), without)
         others = [one for one in others if one.effect.sensor_fault]
         falls = self.in_samples(others, given)
         firsts: dict[str, Candidate] = {}
         for i in np.argsort(-falls, kind="stable"):
             if falls[i] >= self.least:
-                firsts.setdefault(time_profile_of(others[i].effect), others[i])
+                firsts.setdefault(others[i].time_profile, others[i])
         for one in firsts.values():
             alone = self.score(one, given)
             if not alone.possible or alone.fall < self.least:
@@ -269,18 +267,7 @@ class Selection:
             kept = [*kept[:at], *again, *kept[at + 1 :]]
         return kept
 
-    def like(self, choice: Choice) -> frozenset[str]:
-        """Names of all changes with the time profile of a choice."""
-        profile = time_profile_of(choice.top.effect)
-        return frozenset(
-            one.name
-            for one in self.candidates(self.design.base)
-            if one.effect.sensor_fault and time_profile_of(one.effect) == profile
-        ) | {choice.top.name}
-
-    def settled(
-        self, choices: list[Choice], without: frozenset[str] = frozenset()
-    ) -> list[Choice]:
+    def settled(self, choices: list[Choice], without: str = "") -> list[Choice]:
         """The choices when none is better replaced, or removed, given the others."""
         for _ in range(SWEEPS):
             changed = False
@@ -319,16 +306,19 @@ class Selection:
             return one.effect
         errors = float(np.abs(score.estimate[0]) / score.stderr[0])
         side = self.criteria.min_days_each_side
-        return first_days(self.design, one, given, side, errors)
+        return first_days(self.design, one.change, given, side, errors)
 
     def given(self, choices: Iterable[Choice]) -> list[Column]:
         """Columns of the base and of some choices."""
         return [*self.design.base, *(c for one in choices for c in one.top.columns)]
 
     def candidates(
-        self, given: Sequence[Column], taken: Iterable[str] = ()
+        self,
+        given: Sequence[Column],
+        taken: Iterable[str] = (),
+        without: str = "",
     ) -> list[Candidate]:
-        """Candidates given some columns, but those that are taken."""
+        """Candidates given some columns, but taken names and one time profile."""
         key = tuple(map(str, given))
         if key not in self.known:
             limits = self.criteria
@@ -339,19 +329,19 @@ class Selection:
                 ),
             ]
             self.known[key] = [one for one in every if one.name not in self.closed]
-        return [one for one in self.known[key] if one.name not in {*taken}]
+        others = [one for one in self.known[key] if one.name not in {*taken}]
+        return [one for one in others if not without or one.time_profile != without]
 
     def best(
         self,
         choices: Sequence[Choice],
         least: float = 0.0,
-        without: frozenset[str] = frozenset(),
+        without: str = "",
     ) -> Choice | None:
         """The choice that explains most given others, and more than that, or None."""
         given = self.given(choices)
         best: Choice | None = None
-        taken = without | {one.top.name for one in choices}
-        others = self.candidates(given, taken)
+        others = self.candidates(given, names_of(choices), without)
         falls, least = self.in_samples(others, given), max(self.least, least)
         for i in np.argsort(-falls, kind="stable"):
             # on weeks left out it explains no more than on those that are fitted
@@ -462,13 +452,12 @@ class Selection:
 
     def weighed(self, choice: Choice, others: Sequence[Choice]) -> Choice:
         """A choice with its rivals, by how much of its part each explains."""
-        taken = [one.top.name for one in others]
         top = choice.top
         given = self.given(others)
         parts = {top.name: choice.score}
         members = {top.name: top}
-        for one in self.candidates(given, taken):
-            if one.name == top.name:
+        for one in self.candidates(given, names_of(others)):
+            if one.name in members:
                 continue
             if self.in_sample(one, given) < OVERLAP * choice.fall:
                 continue
@@ -479,7 +468,7 @@ class Selection:
                 members[one.name], parts[one.name] = one, score
         score = choice.score
         sure = float(np.abs(score.estimate[0]) / score.stderr[0])
-        weights = self.posterior(members, given, top, min(sure, MOST_SURE))
+        weights = self.posterior(members, given, top, min(sure, 1.0 / PROFILE_ERROR))
         return replace(choice, members=members, scores=parts, weights=weights)
 
     def posterior(
@@ -535,7 +524,8 @@ class Selection:
         logs = np.empty_like(parts)
         for i, one in enumerate(members.values()):
             groups.setdefault(one.effect.sensor_fault or one.name, []).append(i)
-        costs = np.array([[dates_cost(one, sure)] for one in members.values()])
+        many = [number_of_dates(one.effect) for one in members.values()]
+        costs = np.array([[dates_cost(dates, sure)] for dates in many])
         for same in groups.values():
             within = 0.5 * sure**2 * parts[same] / most
             within -= costs[same]
@@ -549,11 +539,14 @@ class Selection:
         return dict(zip(members, shares.tolist()))
 
 
-def log_odds(probability: float) -> float:
-    """Logarithm of the odds of a probability; of one that is rounded to 1, of 1 − ε."""
-    least = np.finfo(float).eps
-    probability = float(np.clip(probability, least, 1.0 - least))
-    return float(np.log(probability / (1.0 - probability)))
+def names_of(choices: Iterable[Choice]) -> set[str]:
+    """Names of the best candidates of some choices."""
+    return {one.top.name for one in choices}
+
+
+def dates_of(choices: Iterable[Choice]) -> int:
+    """Number of dates of some choices that were searched for."""
+    return sum(number_of_dates(one.top.effect) for one in choices)
 
 
 def drawn_part(
@@ -590,150 +583,3 @@ def drawn_part(
 def sums_of_draws(weekly: np.ndarray, draws: np.ndarray) -> np.ndarray:
     """Sums of products over each draw of weeks."""
     return np.einsum("dw,wij->dij", draws, weekly)
-
-
-def dates_cost(one: Candidate, sure: float) -> float:
-    """
-    What a date costs: minus the logarithm of the share of dates that are as good.
-
-    Away from its date a step loses what it explains in proportion to the days, so that
-    of the days on one side a share of 8/z² is as good, by Laplace.
-    """
-    if not one.effect.sensor_fault:
-        return 0.0
-    many = DATED[time_profile_of(one.effect)]
-    return many * max(float(np.log(sure**2 / DAYS_ALIKE)), 0.0)
-
-
-def rows_of(one: Candidate, design: Design) -> list[Parameter]:
-    """
-    Rows of the parameters of a candidate's columns.
-
-    Parameters
-    ----------
-    one : Candidate
-        An effect, or a change at its dates.
-    design : Design
-        The design that has its columns.
-
-    Returns
-    -------
-    list of Parameter
-        One for each column of the candidate; all of an effect with a sensor fault.
-    """
-    rows = one.effect.rows()
-    if one.effect.sensor_fault:
-        return [*rows.values()]
-    return [rows[design.names[place_of(column)]] for column in one.columns]
-
-
-def within_bounds(
-    rows: Sequence[Parameter], estimate: np.ndarray, stderr: np.ndarray
-) -> bool:
-    """Whether coefficients are within their bounds, to first order."""
-
-    def slack(bound: float, error: float) -> float:
-        return max(SLACK_ERRORS * error, SLACK * abs(bound))
-
-    return all(
-        row.lower - slack(row.lower, error)
-        <= value
-        <= row.upper + slack(row.upper, error)
-        for row, value, error in zip(rows, estimate, stderr)
-    )
-
-
-def probability_of_existence(
-    one: Candidate,
-    rows: Sequence[Parameter],
-    estimate: np.ndarray,
-    covariance: np.ndarray,
-    freedom: float,
-) -> float:
-    """
-    Probability that a candidate is there, by its estimate and its error alone.
-
-    Wakefield's approximate Bayes factor, with the tails of Student's law for so many
-    weeks.
-
-    Parameters
-    ----------
-    one : Candidate
-    rows : sequence of Parameter
-        Of its coefficients.
-    estimate : array, shape (coefficients,)
-    covariance : array, shape (coefficients, coefficients)
-        That the estimate would have by accident.
-    freedom : float
-        Of the covariance.
-    """
-    plain, wide, volume = squared_distances(rows, estimate, covariance)
-    tails = np.log1p(plain / freedom) - np.log1p(wide / freedom)
-    log_factor = -0.5 * volume + 0.5 * (freedom + len(estimate)) * tails
-    log_odds = log_factor + one.log_prior - one.log_dates
-    return float(1.0 / (1.0 + np.exp(-np.clip(log_odds, -500.0, 500.0))))
-
-
-def squared_distances(
-    rows: Sequence[Parameter], estimate: np.ndarray, covariance: np.ndarray
-) -> tuple[float, float, float]:
-    """
-    Squared distances of an estimate from nothing, and how much broader one is.
-
-    By the covariance, and by that with the prior of its size.
-
-    Returns
-    -------
-    plain, wide : float
-        Squared distance by each. [-]
-    volume : float
-        Logarithm of the ratio of their determinants.
-    """
-    widths = np.array([(row.upper - row.lower) / SIZES for row in rows])
-    scale = np.sqrt(np.diag(covariance))
-    inner = covariance / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
-    sizes, mean = np.diag(np.square(widths / scale)), estimate / scale
-    plain = float(mean @ np.linalg.solve(inner, mean))
-    wide = float(mean @ np.linalg.solve(inner + sizes, mean))
-    _, volume = np.linalg.slogdet(np.eye(len(mean)) + np.linalg.solve(inner, sizes))
-    return plain, wide, volume
-
-
-def size_seen(
-    one: Candidate,
-    rows: Sequence[Parameter],
-    way: np.ndarray,
-    covariance: np.ndarray,
-    freedom: float,
-    probability: float,
-) -> float:
-    """
-    How many times an estimate has to be to be there with a probability.
-
-    Parameters
-    ----------
-    one : Candidate
-        Candidate with its prior odds.
-    rows : sequence of Parameter
-        Of its coefficients.
-    way : array, shape (coefficients,)
-        The estimate.
-    covariance : array, shape (coefficients, coefficients)
-        That the estimate would have by accident.
-    freedom : float
-        Of the covariance. [weeks]
-    probability : float
-        Least probability, see :func:`existence`.
-
-    Returns
-    -------
-    float
-        Factor of the estimate; infinite if no size is enough.
-    """
-    plain, wide, volume = squared_distances(rows, way, covariance)
-    log_factor = log_odds(probability) - one.log_prior + one.log_dates + 0.5 * volume
-    # existence, solved for the square of the size
-    ratio = np.exp(min(2.0 * log_factor / (freedom + len(way)), 500.0))
-    if plain <= wide * ratio:
-        return np.inf
-    return float(np.sqrt(freedom * max(ratio - 1.0, 0.0) / (plain - wide * ratio)))

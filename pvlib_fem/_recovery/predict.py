@@ -8,8 +8,8 @@ import numpy as np
 from pvlib_fem._findings import OUTSIDE
 from pvlib_fem._loop.close import Round, with_probabilities
 from pvlib_fem._loop.conclude import HALF, credible_names
-from pvlib_fem._loop.design import Design
-from pvlib_fem._loop.dictionary import Candidate, Changed, Column
+from pvlib_fem._loop.design import Changed, Column, Design, columns_of
+from pvlib_fem._loop.dictionary import Candidate
 from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.ranking import squares_given_others
 from pvlib_fem._loop.references import DailyDeviation, daily_deviations
@@ -101,14 +101,9 @@ def predictions(
 def candidate_of(design: Design, draw: Draw) -> Candidate:
     """A draw as a candidate of the design."""
     effect = draw.effect
-    if effect.sensor_fault:
-        columns = (
-            Changed.from_effect(design.sensor_faults[effect.sensor_fault], effect),
-        )
-    else:
+    if not effect.sensor_fault:
         effect = design.effects.get(effect.name, effect)
-        columns = design.own[effect.name]
-    return Candidate(effect, columns, 0.0)
+    return Candidate(effect, columns_of(design, effect), 0.0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,13 @@ from pvlib_fem._findings import Finding, Member
 from pvlib_fem._report.formatting import with_error
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._standstill import in_words
-from pvlib_fem.effects._time_profiles import YEAR, day_number, is_dated, time_profile_of
+from pvlib_fem.effects._time_profiles import (
+    YEAR,
+    day_number,
+    is_dated,
+    is_drift,
+    time_profile_of,
+)
 
 MODEL, MODULES = "model", "modules"
 PER_YEAR = " each year"
@@ -158,7 +164,7 @@ def dated_clause(clause: Clause, effect: Effect, first: str, last: str) -> Claus
         return clause
     since, until = dates_of(effect, first, last)
     profile = time_profile_of(effect)
-    if profile != "drift" and not effect.settings:  # a hint has no dates
+    if not is_drift(effect) and not effect.settings:  # a hint has no dates
         since, until = "", last
     until = "" if until == last else until
     return replace(clause, since=since, until=until, time_profile=profile)
@@ -181,15 +187,32 @@ def of_instrument(
         words = f"{repair.device} {reads.unsized or 'has changed'}"
         return Clause(without_article(repair.device), words, reads.action)
     added = repair.added(Fault.from_finding(effect, numbers), coefficients)
-    drifts = time_profile_of(effect) == "drift"
-    years = (day_number(last) - day_number(first)) / YEAR if drifts else 1.0
-    value, error, low, high = reading_of(added, repair.unit, max(years, 1e-9))
-    size = f"{with_error(abs(value), error)} {'K' if repair.unit == 'K' else '%'}"
-    words = f"{repair.device} {reads.less if value < 0 else reads.more}".format(size)
+    since, until = dates_of(effect, first, last)
+    years = (day_number(until) - day_number(since)) / YEAR if is_drift(effect) else 1.0
+    years = max(years, 1e-9)
+    value, error, low, high = reading_of(added, repair.unit, years)
     unit = unit_of(effect, repair).replace("1/", "%/").replace("-", "%")
-    words += PER_YEAR if drifts else ""
+    if ends(effect):
+        value, error, low, high = (years * n for n in (value, error, low, high))
+        unit = unit.removesuffix("/year")
+    size = f"{with_error(abs(value), error)} {'K' if repair.unit == 'K' else '%'}"
+    size, each = in_time(effect, size)
+    words = f"{repair.device} {reads.less if value < 0 else reads.more}".format(size)
+    words += each
     device = without_article(repair.device)
     return Clause(device, words, reads.action, value, error, low, high, unit)
+
+
+def ends(effect: Effect) -> bool:
+    """Whether an effect is a trend until a date, of which the size is the last."""
+    return is_drift(effect) and "end" in effect.settings
+
+
+def in_time(effect: Effect, size: str) -> tuple[str, str]:
+    """A size in words, and what follows the clause that has it."""
+    if ends(effect):
+        return f"up to {size}", ", increasing day by day"
+    return size, PER_YEAR if is_drift(effect) else ""
 
 
 def without_article(device: str) -> str:
@@ -259,12 +282,16 @@ def of_column(effect: Effect, numbers: Numbers) -> Clause:
 
 
 def mounting(effect: Effect, numbers: Numbers) -> Clause:
-    estimate = only_size(effect, numbers, SHARE)
-    size = f"{absolute_size(estimate)} " if estimate else ""
-    more, each = "more" if not estimate or estimate["value"] > 0 else "less", ""
-    if time_profile_of(effect) == "drift":
+    years = 1.0
+    if ends(effect):
+        days = [day_number(day) for day in dates_of(effect, "", "")]
+        years = (days[1] - days[0]) / YEAR
+    estimate = only_size(effect, numbers, SHARE * years)
+    more = "more" if not estimate or estimate["value"] > 0 else "less"
+    size, each = in_time(effect, absolute_size(estimate)) if estimate else ("", "")
+    size = f"{size} " if size else ""
+    if is_drift(effect) and not ends(effect):
         estimate["unit"] = "%/year"
-        size, each = size.replace("/year", ""), PER_YEAR
     action = "Inspect the mounting, and what was built or grew around the modules"
     words = f"the modules lose {size}{more} heat to the air{each}"
     return Clause("mounting", words, action, **estimate)

@@ -176,8 +176,11 @@ def words_of(clause: Clause, place: str = "") -> str:
         dates = f"from {clause.since} until {clause.until}" if clause.since else ""
         dates = f"from {place}" if place else dates or "for some time"
         return f"{dates} {clause.words}"
+    if clause.time_profile == "drift" and not clause.until:
+        return f"{clause.words} since {place or clause.since}"
     if clause.time_profile == "drift":
-        return f"{clause.words} since {clause.since}"
+        dates = place or f"{clause.since} until {clause.until}"
+        return f"from {dates} {clause.words}"
     return clause.words
 
 

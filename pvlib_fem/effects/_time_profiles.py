@@ -16,6 +16,7 @@ import pandas as pd
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
 
 YEAR = 365.2425  # days
+SEASON = 0.25  # years, in which a trend that began may reach the bounds of its fault
 
 
 def day_number(date: str) -> float:
@@ -60,7 +61,7 @@ def date_text(day: float) -> str:
     str
         ``YYYY-MM-DD``
     """
-    return f"{pd.Timestamp(0) + pd.Timedelta(days=int(day)):%Y-%m-%d}"
+    return str(np.datetime64(int(day), "D"))
 
 
 def step(at: str, between: Any = None) -> Callable:
@@ -77,10 +78,33 @@ def episode(start: str, end: str, between: Any = None) -> Callable:
     return lambda day: ((day >= first) & (day < last)).astype(float)
 
 
-def drift(since: str | None = None) -> Callable:
-    """A linear increase, by 1 per year."""
-    first = None if since is None else day_number(since)
-    return lambda day: (day - (day[0] if first is None else first)) / YEAR
+def drift(
+    since: str | None = None,
+    start: str | None = None,
+    end: str | None = None,
+    between: Any = None,
+) -> Callable:
+    """
+    A linear increase by 1 per year, which is 0 at ``since``, or on the first day.
+
+    With ``start`` it begins there, and there is none of it before. ``end`` is the first
+    day after it, as of a sensor that is cleaned or replaced. ``between`` is the
+    interval of possible dates of the start.
+    """
+    zero = start if start is not None else since
+    first = None if zero is None else day_number(zero)
+    last = np.inf if end is None else day_number(end)
+    if first is not None and not first < last:
+        name = "since" if start is None else "start"
+        raise ValueError(f"{name} = {zero!r} is not before end = {end!r}")
+
+    def weight(day: np.ndarray) -> np.ndarray:
+        years = (day - (day[0] if first is None else first)) / YEAR
+        if start is not None:
+            years = np.maximum(years, 0.0)
+        return np.where(day < last, years, 0.0)
+
+    return weight
 
 
 @dataclass(frozen=True)
@@ -91,7 +115,7 @@ class TimeProfile:
     weight: Callable  # from dates to a function of the day
     size: str  # name of the coefficient
     unit: str = ""
-    most: float = 1.0  # factor of the fault's bounds
+    years: float = 0.0  # in which a trend may reach the fault's bounds
 
     def name_of(self, sensor_fault: Effect) -> str:
         """The name of a sensor fault with this time profile."""
@@ -102,10 +126,21 @@ class TimeProfile:
         taken = inspect.signature(self.weight).parameters.values()
         return [p.name for p in taken if p.default is p.empty and p.name not in dates]
 
+    def share_of_bounds(self, dates: Mapping) -> float:
+        """The fault's bounds times this are those of the size. [-] or [1/year]"""
+        if not self.years:
+            return 1.0
+        years, begin = self.years, dates.get("start") or dates.get("since")
+        if begin and "end" in dates:
+            years = min(years, (day_number(dates["end"]) - day_number(begin)) / YEAR)
+        elif "start" in dates:
+            years = SEASON
+        return 1.0 / years
+
 
 TIME_PROFILES = (
     TimeProfile("step", step, "change"),
-    TimeProfile("drift", drift, "per_year", "/year", 0.5),
+    TimeProfile("drift", drift, "per_year", "/year", years=2.0),
     TimeProfile("episode", episode, "change"),
 )
 
@@ -161,8 +196,7 @@ class DatedChange:
         if not self.time_profile.missing(dates):
             self.time_profile.weight(**dates)  # refuses invalid dates
         return replace(
-            self.without_dates(),
-            terms=ScaledTerms(self.sensor_fault, self.time_profile, dates),
+            self.with_bounds(dates),
             settings=dates,
             source=dates_in_words(dates),
             dates=None,
@@ -171,17 +205,22 @@ class DatedChange:
 
     def without_dates(self) -> Effect:
         """The effect without dates, as in the registry; a search finds the dates."""
+        return self.with_bounds({})
+
+    def with_bounds(self, dates: Mapping) -> Effect:
+        """The effect with the bounds that its size has with some dates."""
         sensor_fault, time_profile = self.sensor_fault, self.time_profile
         (row,), name = (
             sensor_fault.parameters.values(),
             time_profile.name_of(sensor_fault),
         )
-        bounds = row.lower * time_profile.most, row.upper * time_profile.most
+        share = time_profile.share_of_bounds(dates)
+        bounds = row.lower * share, row.upper * share
         unit = f"{row.unit}{time_profile.unit}".replace("-/", "1/")
         return replace(
             sensor_fault,
             name=name,
-            terms=ScaledTerms(sensor_fault, time_profile, {}),
+            terms=ScaledTerms(sensor_fault, time_profile, dates),
             parameters={time_profile.size: Parameter(row.start, *bounds, unit)},
             columns=("day", *sensor_fault.drivers),
             sensor_fault=sensor_fault.name,
@@ -249,7 +288,7 @@ def weights_of(effect: Effect, days: np.ndarray) -> np.ndarray:
     -------
     array of float, shape (days,)
         1 or 0 for a step or a temporary change; for a trend, years since its begin,
-        which by default is the first of the days.
+        which by default is the first of the days, and 0 after its end.
     """
     middle = np.asarray(days) + 0.5
     if effect.sensor_fault:
@@ -307,7 +346,7 @@ def is_drift(effect: Effect) -> bool:
 
 
 def date_interval(effect: Effect) -> tuple[float, ...] | None:
-    """Days between which a change began; None for a trend over the whole record."""
+    """Days between which a change began; None for a trend from the first day."""
     dates = effect.settings
     begin = dates.get("at") or dates.get("start")
     if begin is None:

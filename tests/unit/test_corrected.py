@@ -143,9 +143,24 @@ def effect_of(name):
 CASES = [(name, size) for name, sizes in FAULTS.items() for size in sizes]
 
 
-@pytest.mark.parametrize("name, size", CASES)
-def test_the_true_column_is_within_the_stated_range(true, sound, name, size):
-    effect = effect_of(name)
+#: trends that begin, end, or both within the record
+TRENDS = [
+    {"start": "2023-08-10"},
+    {"since": "2023-06-01", "end": "2023-09-20"},
+    {"start": "2023-07-20", "end": "2023-10-05"},
+]
+PARTS = [
+    (find({"name": name, **dates}), size)
+    for name, size in (("irradiance_sensor_drift", 0.5), ("module_offset_drift", -4.0))
+    for dates in TRENDS
+]
+
+
+@pytest.mark.parametrize(
+    "effect, size", [(effect_of(name), size) for name, size in CASES] + PARTS
+)
+def test_the_true_column_is_within_the_stated_range(true, sound, effect, size):
+    name = effect.name
     data = faulty(true, effect, size)
     loop = found(sound, data, effect)
     corrected = loop.corrected(data)

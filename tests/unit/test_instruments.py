@@ -19,7 +19,7 @@ from pvlib_fem._loop.close import finished_search
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
 from pvlib_fem.effects import CHANGES, EFFECTS, SENSOR_FAULTS, find
-from pvlib_fem.effects._time_profiles import day_number, weights_of
+from pvlib_fem.effects._time_profiles import YEAR, date_text, day_number, weights_of
 
 #: sizes that are found outdoors
 SIZES = {
@@ -253,6 +253,63 @@ def test_a_drift_over_years_is_no_step():
     first = closed(data).finding_objects[0]
     assert first.added and "irradiance_sensor_drift" in first.candidates
     assert "irradiance_sensor_step" not in first.candidates
+
+
+#: a trend of some weeks, after which the sensor is cleaned or replaced
+TOOTH = {"start": "2023-07-20", "end": "2023-10-05"}
+
+
+def test_a_trend_with_dates_is_zero_before_and_after_them():
+    effect = dated("irradiance_sensor_drift", **TOOTH)
+    days = np.arange(day_number("2023-07-10"), day_number("2023-10-15"))
+    weights = weights_of(effect, days)
+    first, last = (day_number(date) for date in TOOTH.values())
+    inside = (days >= first) & (days < last)
+    assert not weights[~inside].any()
+    np.testing.assert_allclose(np.diff(weights[inside]), 1.0 / YEAR)
+    assert weights[inside][0] == pytest.approx(0.5 / YEAR)
+    with pytest.raises(ValueError, match="start = '2023-10-05' is not before end"):
+        dated("irradiance_sensor_drift", start="2023-10-05", end="2023-07-20")
+
+
+@pytest.mark.parametrize("days", [30, 365, 3000])
+def test_a_trend_may_reach_the_bounds_of_its_fault_by_its_end(days):
+    """In two years, if it lasts for longer or has no end."""
+    end = date_text(day_number("2023-01-01") + days)
+    (fault,) = (one for one in SENSOR_FAULTS if one.name == "irradiance_sensor")
+    (of_fault,) = fault.parameters.values()
+    dates = {"start": "2023-01-01", "end": end}
+    (row,) = dated("irradiance_sensor_drift", **dates).parameters.values()
+    years = min(days / YEAR, 2.0)
+    assert row.upper == pytest.approx(of_fault.upper / years)
+    assert row.lower == pytest.approx(of_fault.lower / years)
+
+
+@pytest.mark.parametrize(
+    "sensor_fault", ["irradiance_sensor", "air_offset", "module_offset"]
+)
+def test_a_trend_until_a_sensor_is_cleaned_is_found_with_its_dates(
+    half_a_year, sensor_fault
+):
+    name = f"{sensor_fault}_drift"
+    effect = dated(name, **TOOTH)
+    (key,) = effect.rows()
+    model = ThermalModel(STEADY_MODELS["faiman"], "balance", (effect,))
+    years = (day_number(TOOTH["end"]) - day_number(TOOTH["start"])) / YEAR
+    values = coefficients("balance") | {key: 1.5 * SIZES[sensor_fault] / years}
+    module = model.predict(*(half_a_year[n] for n in DRIVERS), values)
+    random = np.random.default_rng(7).normal(0.0, 0.4, len(module))
+    loop = closed(half_a_year[list(DRIVERS)].assign(temp_module=module + random))
+    (found,) = (f for f in loop.finding_objects if f.added)
+    assert name in found.candidates
+    assert {time_profile(n) for n in found.candidates if n in CHANGES} == {"drift"}
+    settings = found.members[name].settings if found.effect != name else None
+    settings = settings or next(
+        e.settings for e in loop.fit.effects if e.name == found.effect
+    )
+    ends = day_number(settings["end"]) - day_number(TOOTH["end"])
+    assert abs(ends) <= 5
+    assert abs(day_number(settings["start"]) - day_number(TOOTH["start"])) <= 21
 
 
 def test_where_nothing_changes_nothing_is_found():

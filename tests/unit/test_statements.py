@@ -30,7 +30,7 @@ from pvlib_fem._statements.causes import READS, SPECIAL, clause_of, reading_of
 from pvlib_fem._statements.loop_summary import LINES, WIDTH, findings
 from pvlib_fem._statements.make import pattern_statement
 from pvlib_fem._statements.statement import Statement
-from pvlib_fem.effects import EFFECTS
+from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects._time_profiles import dates_in_words
 from pvlib_fem.reasons import Reason, because
 
@@ -112,6 +112,27 @@ def test_a_drift_has_the_slope_of_the_reading(true, sound):  # noqa: F811
     (one,) = found(sound, data, effect).statements.itertuples()
     assert one.unit == "%/year" and "each year since" in one.text
     assert one.value == pytest.approx(-10.0, abs=1.0)
+
+
+@pytest.mark.parametrize("name", ["irradiance_sensor_drift", "mounting_drift"])
+def test_a_trend_that_ends_has_the_size_that_it_reached(true, sound, name):  # noqa: F811
+    """A fifth less in the end, in 77 days."""
+    dates = {"start": "2023-07-20", "end": "2023-10-05"}
+    effect = find({"name": name, **dates})
+    data = true
+    if name == "irradiance_sensor_drift":
+        index = true.index.tz_localize(None) if true.index.tz else true.index
+        days = (index - pd.Timestamp("2023-07-20")) / pd.Timedelta("1D")
+        share = np.where((days >= 0) & (days < 77), days / 77, 0.0)
+        data = true.assign(poa_global=true["poa_global"] * (1.0 - 0.2 * share))
+    (one,) = found(sound, data, effect).statements.itertuples()
+    assert one.unit == "%"
+    assert [one.since, one.until] == ["2023-07-20", "2023-10-04"]
+    assert one.text.startswith("From 2023-07-20 until 2023-10-04 ")
+    assert "up to" in one.text and "increasing day by day" in one.text
+    if name == "irradiance_sensor_drift":
+        assert one.value == pytest.approx(-20.0, abs=2.0)
+        assert one.low <= -20.0 <= one.high
 
 
 @pytest.mark.parametrize(
