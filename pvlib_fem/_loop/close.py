@@ -59,7 +59,7 @@ from pvlib_fem.reasons import Because, Reason, because
 from pvlib_fem.types import FilePath
 
 LONGWAVE = "radiative_loss"  # of every module: in the base model, and no finding
-MOST_ROUNDS = 6  # of linearisations
+MOST_ROUNDS = 8  # of linearisations
 
 
 @arguments_in_new_names({"min_gain": "min_rmse_reduction"})
@@ -321,6 +321,11 @@ class Round:
         return [one.top.name for one in self.choices]
 
     @property
+    def refined(self) -> "Round":
+        """The round with other choices, if these explain more."""
+        return replace(self, choices=tuple(self.selection.refined([*self.choices])))
+
+    @property
     def chosen(self) -> frozenset[str]:
         """
         The chosen columns by name, and changes with their dates.
@@ -442,10 +447,13 @@ class Search:
     def converged(self, plain: Step) -> Step:
         """The last step, when one more linearisation chooses the same effects."""
         step = plain
-        seen: set[frozenset[str]] = set()
+        begin: tuple[Choice, ...] = ()
+        seen: set[frozenset[str]] = {frozenset()}
         for turn in range(MOST_ROUNDS):
             self.report(f"weighing effects, round {turn + 1}")
-            this = self.round(step)
+            this = self.round(step, begin)
+            if this.chosen in seen:
+                this = this.refined
             if this.chosen in seen:
                 break
             self.report(f"fitting {', '.join(this.names) or 'no further effect'}")
@@ -458,12 +466,16 @@ class Search:
                 self.closed |= {out[-1]}
                 continue
             seen.add(this.chosen)
-            step = fit
+            step, begin = fit, this.choices
         self.last = this
         return self.with_findings(plain, this, step.coefficients)
 
-    def round(self, step: Step) -> Round:
-        """The selection by the remaining error of a step without its effects."""
+    def round(self, step: Step, begin: Sequence[Choice] = ()) -> Round:
+        """
+        The selection by the remaining error of a step without its effects.
+
+        It begins with the choices of the round before.
+        """
         case = self.case
         there = {e.name for e in step.model.effects if not e.sensor_fault}
         wanted = [effect for effect in case.wanted if effect.name not in there]
@@ -483,7 +495,7 @@ class Search:
             # before another plane an obstacle has no place
             self.untestable |= dict.fromkeys(names, why)
             closed = closed | {*names}
-        selection, choices = selected(design, case.criteria, closed)
+        selection, choices = selected(design, case.criteria, closed, begin)
         return Round(evidence, selection, tuple(choices))
 
     @cached_property

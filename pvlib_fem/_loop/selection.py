@@ -13,7 +13,7 @@ from pvlib_fem._loop.change_dates import (
     number_of_dates,
 )
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.design import Column, Design, place_of
+from pvlib_fem._loop.design import Column, Design, columns_of, place_of
 from pvlib_fem._loop.dictionary import Candidate, dated_candidates, without_dates
 from pvlib_fem._loop.existence import (
     log_odds,
@@ -116,19 +116,34 @@ def selected(
     closed : frozenset of str
         Names that are not to be taken.
     begin : sequence of Choice, optional
-        Choices from which the selection begins.
+        Choices from which the selection begins, perhaps of another design.
 
     Returns
     -------
     Selection, list of Choice
+        Before other choices are tried by :meth:`Selection.refined`.
     """
     selection = Selection(design, criteria, closed)
-    choices = selection.run(begin)
+    choices = selection.run(placed_choices(design, begin, closed))
     given = selection.given(choices)
     if noise := random_effects(design, given, selection.least):
         selection = Selection(design, criteria, closed, noise)
         choices = selection.run(choices)
-    return selection, selection.refined(choices)
+    return selection, choices
+
+
+def placed_choices(
+    design: Design, choices: Iterable[Choice], closed: frozenset[str]
+) -> list[Choice]:
+    """Choices with their columns of a design, as far as it has them."""
+    placed = []
+    for one in choices:
+        effect = design.effects.get(one.top.name, one.top.effect)
+        columns = columns_of(design, effect)
+        if columns and effect.name not in closed:
+            top = replace(one.top, effect=effect, columns=columns)
+            placed.append(replace(one, top=top))
+    return placed
 
 
 @dataclass(eq=False)

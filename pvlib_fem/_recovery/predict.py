@@ -148,6 +148,7 @@ class Look:
         if selection.in_sample(self.one, self.given) < OVERLAP * selection.least:
             return False  # too small for any set
         selection, choices = selected(design, limits, closed, self.choices)
+        choices = selection.refined(choices)
         references = [self.shown_by(one, sum(parts)) for one in self.references]
         for i, one in enumerate(choices):
             others = [*choices[:i], *choices[i + 1 :]]

@@ -576,8 +576,8 @@ def test_a_linearisation_that_chooses_the_same_effects_is_the_last(monkeypatch):
     """A model with effects has its columns at other places than one without."""
     sets, every = [], Search.round
 
-    def noted(search, step):
-        last = every(search, step)
+    def noted(search, step, begin):
+        last = every(search, step, begin)
         sets.append({one.top.name for one in last.choices})
         return last
 
@@ -586,3 +586,21 @@ def test_a_linearisation_that_chooses_the_same_effects_is_the_last(monkeypatch):
     effects = simulator.PHYSICS | three
     close_loop(simulator.record(effects=effects, days=200, step=900, seed=2))
     assert sets[0] and sets.index(sets[-1]) == len(sets) - 2
+
+
+def test_a_round_begins_with_the_choices_of_the_one_before(monkeypatch):
+    """It makes them anew by its own columns, and keeps them if they still hold."""
+    begun, every = [], Search.round
+
+    def noted(search, step, begin):
+        last = every(search, step, begin)
+        own = last.selection.design.own
+        begun.append([{one.top.name for one in some} for some in (begin, last.choices)])
+        assert all(one.top.columns == own[one.top.name] for one in last.choices)
+        return last
+
+    monkeypatch.setattr(Search, "round", noted)
+    effects = simulator.PHYSICS | dict.fromkeys(["sky_radiation", "rain"], 1.0)
+    close_loop(simulator.record(effects=effects, days=200, step=900, seed=2))
+    assert begun[0][0] == set() and len(begun) > 1
+    assert begun[1][0] == begun[0][1] == begun[1][1] != set()
