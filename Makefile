@@ -7,7 +7,7 @@ ORACLE = $(VENV)/oracle-study $(VENV)/oracle-instruments
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
 .PHONY: demo test test-all fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments study-trackers study-events recovery
-.PHONY: fleet gate ceiling reliability detectors oracle sweep coverage parameters periods episodes figure clean
+.PHONY: fleet gate ceiling reliability detectors oracle sweep coverage parameters periods profiles episodes figure clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -129,6 +129,10 @@ parameters: $(VENV)/.installed
 # the same by the month, where a coefficient changes, for docs/guide/fitting.md
 periods: $(VENV)/.installed
 	$(BIN)/python studies/study_periods.py --records 200
+
+# sensors that change along no exact step, trend or temporary change
+profiles: $(VENV)/.installed
+	$(BIN)/python studies/study_profiles.py
 
 # how often noise shows days that stand out, for docs/guide/honesty.md
 episodes: $(VENV)/.installed
