@@ -18,7 +18,9 @@ from pvlib_fem.effects._time_profiles import (
     dates_in_words,
     day_number,
     is_dated,
+    is_drift,
     time_profile_of,
+    years_to_end,
 )
 
 RANGE = "90 % range"
@@ -215,7 +217,7 @@ def unit_of(effect: Effect, repair: Repair) -> str:
     """
     if effect.name == "soiling":
         return "1/day"
-    drifts = time_profile_of(effect) == "drift"
+    drifts = is_drift(effect)
     if repair.unit == "K":
         return "K/year" if drifts else "K"
     return "1/year" if drifts else "-"
@@ -274,9 +276,10 @@ def sentence(effect: Effect, repair: Repair, added: tuple) -> str:
     """
     what = repair.low if added[0] > 0 else repair.high
     times, unit = (1.0, "K") if repair.unit == "K" else (SHARE, "%")
-    value, error, low, high = (times * n for n in added)
-    each = " for each year" if time_profile_of(effect) == "drift" else ""
-    size = f"{with_error(value, error)} {unit}"
+    years = years_to_end(effect)  # of a trend that ends, what it reaches
+    value, error, low, high = (times * (years or 1.0) * n for n in added)
+    each = " for each year" if is_drift(effect) and not years else ""
+    size = f"{'up to ' if years else ''}{with_error(value, error)} {unit}"
     quantity = f" {repair.of}" if repair.of else ""
     ends = f" ({RANGE} {low:.3g} to {high:.3g} {unit})" if np.isfinite(low) else ""
     return (

@@ -27,6 +27,7 @@ from pvlib_fem.effects._time_profiles import (
     is_drift,
     time_profile_of,
     weights_of,
+    years_to_end,
 )
 from pvlib_fem.quality._clearsky import clear_sky
 
@@ -646,11 +647,12 @@ def cross_checks(
         if shown is None:
             continue
         size, error, expected, aged = shown
-        unit = one.comparison.unit + ("/year" if is_drift(first) else "")
+        years = years_to_end(first)  # of a trend that ends, what it reaches
+        unit = one.comparison.unit + ("/year" if is_drift(first) and not years else "")
+        times = years or 1.0
         for name in alike:
             value = expected[name] - aged
             outcome = outcome_of(size, value, float(np.hypot(error, aged / SURE)))
-            checks.append(
-                CrossCheck(one.column, name, size, error, value, outcome, unit)
-            )
+            numbers = (times * size, times * error, times * value)
+            checks.append(CrossCheck(one.column, name, *numbers, outcome, unit))
     return tuple(checks)

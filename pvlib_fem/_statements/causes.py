@@ -28,6 +28,7 @@ from pvlib_fem.effects._time_profiles import (
     is_dated,
     is_drift,
     time_profile_of,
+    years_to_end,
 )
 
 MODEL, MODULES = "model", "modules"
@@ -189,10 +190,10 @@ def of_instrument(
     added = repair.added(Fault.from_finding(effect, numbers), coefficients)
     since, until = dates_of(effect, first, last)
     years = (day_number(until) - day_number(since)) / YEAR if is_drift(effect) else 1.0
-    years = max(years, 1e-9)
+    years = years_to_end(effect) or max(years, 1e-9)
     value, error, low, high = reading_of(added, repair.unit, years)
     unit = unit_of(effect, repair).replace("1/", "%/").replace("-", "%")
-    if ends(effect):
+    if years_to_end(effect):  # its size is what it reaches
         value, error, low, high = (years * n for n in (value, error, low, high))
         unit = unit.removesuffix("/year")
     size = f"{with_error(abs(value), error)} {'K' if repair.unit == 'K' else '%'}"
@@ -203,14 +204,9 @@ def of_instrument(
     return Clause(device, words, reads.action, value, error, low, high, unit)
 
 
-def ends(effect: Effect) -> bool:
-    """Whether an effect is a trend until a date, of which the size is the last."""
-    return is_drift(effect) and "end" in effect.settings
-
-
 def in_time(effect: Effect, size: str) -> tuple[str, str]:
     """A size in words, and what follows the clause that has it."""
-    if ends(effect):
+    if years_to_end(effect):
         return f"up to {size}", ", increasing day by day"
     return size, PER_YEAR if is_drift(effect) else ""
 
@@ -282,15 +278,12 @@ def of_column(effect: Effect, numbers: Numbers) -> Clause:
 
 
 def mounting(effect: Effect, numbers: Numbers) -> Clause:
-    years = 1.0
-    if ends(effect):
-        days = [day_number(day) for day in dates_of(effect, "", "")]
-        years = (days[1] - days[0]) / YEAR
-    estimate = only_size(effect, numbers, SHARE * years)
+    years = years_to_end(effect)
+    estimate = only_size(effect, numbers, SHARE * (years or 1.0))
     more = "more" if not estimate or estimate["value"] > 0 else "less"
     size, each = in_time(effect, absolute_size(estimate)) if estimate else ("", "")
     size = f"{size} " if size else ""
-    if is_drift(effect) and not ends(effect):
+    if is_drift(effect) and not years:
         estimate["unit"] = "%/year"
     action = "Inspect the mounting, and what was built or grew around the modules"
     words = f"the modules lose {size}{more} heat to the air{each}"

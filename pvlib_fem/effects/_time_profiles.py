@@ -345,6 +345,26 @@ def is_drift(effect: Effect) -> bool:
     return time_profile_of(effect) == "drift"
 
 
+def years_to_end(effect: Effect) -> float | None:
+    """
+    Years in which a trend grows, if it has an end.
+
+    Parameters
+    ----------
+    effect : Effect
+
+    Returns
+    -------
+    float or None
+        None for other effects, and for a trend that goes on.
+    """
+    dates = effect.settings
+    begin = dates.get("start") or dates.get("since")
+    if not is_drift(effect) or not begin or "end" not in dates:
+        return None
+    return (day_number(dates["end"]) - day_number(begin)) / YEAR
+
+
 def date_interval(effect: Effect) -> tuple[float, ...] | None:
     """Days between which a change began; None for a trend from the first day."""
     dates = effect.settings
