@@ -448,13 +448,15 @@ class Search:
         """The last step, when one more linearisation chooses the same effects."""
         step = plain
         begin: tuple[Choice, ...] = ()
-        seen: set[frozenset[str]] = {frozenset()}
+        seen: set[frozenset[str]] = set()
         for turn in range(MOST_ROUNDS):
             self.report(f"weighing effects, round {turn + 1}")
             this = self.round(step, begin)
-            if this.chosen in seen:
+            # the plain model is that of no effects
+            settled = {*seen, frozenset()} if step is plain else seen
+            if this.chosen in settled:
                 this = this.refined
-            if this.chosen in seen:
+            if this.chosen in settled:
                 break
             self.report(f"fitting {', '.join(this.names) or 'no further effect'}")
             fit = self.with_effects(plain, this.choices)
