@@ -91,6 +91,11 @@ def drift(
     day after it, as of a sensor that is cleaned or replaced. ``between`` is the
     interval of possible dates of the start.
     """
+    if since is not None and start is not None:
+        raise ValueError(
+            f"since = {since!r} and start = {start!r}: give start if the trend begins "
+            "there, or since if it is 0 there and goes on before"
+        )
     zero = start if start is not None else since
     first = None if zero is None else day_number(zero)
     last = np.inf if end is None else day_number(end)

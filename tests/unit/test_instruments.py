@@ -270,6 +270,8 @@ def test_a_trend_with_dates_is_zero_before_and_after_them():
     assert weights[inside][0] == pytest.approx(0.5 / YEAR)
     with pytest.raises(ValueError, match="start = '2023-10-05' is not before end"):
         dated("irradiance_sensor_drift", start="2023-10-05", end="2023-07-20")
+    with pytest.raises(ValueError, match="give start if the trend begins there"):
+        dated("irradiance_sensor_drift", since="2023-07-20", start="2023-08-05")
 
 
 @pytest.mark.parametrize("days", [30, 365, 3000])
