@@ -49,6 +49,11 @@ RULES = """\
 same records (`make oracle`).
 """
 
+NO_RULES = """\
+Without `make oracle` the page has no rows that compare with the rules by which the loop
+decided before.
+"""
+
 APART = """
 The next table divides the records by block of seeds and by generator of the module
 temperature: nodes in W/m², pvlib's `fuentes`, or the fitted form itself with noise.
@@ -275,7 +280,7 @@ def page(table, changes, oracle=None):
         kinds=len(UNKNOWN),
         open=len(UNDECLARED),
         closed=len(CLOSED),
-        rules=RULES if oracle else "",
+        rules=RULES if oracle else NO_RULES,
     ).rstrip("\n")
     for words, asked, measured, met in rows:
         yield f"| {words} | {asked} | {measured} | {'yes' if met else '**no**'} |"
