@@ -250,7 +250,7 @@ def time_in_words(effect: Effect) -> str:
     return {
         "step": f"from {words} on",
         "drift": f"from {words}, increasingly"
-        if "end" in effect.settings
+        if years_to_end(effect)
         else f"from year to year since {words}",
         "episode": f"from {words}",
         "": "in the whole record",

@@ -112,6 +112,14 @@ def drift(
     return weight
 
 
+def years_between(dates: Mapping) -> float | None:
+    """Years from the begin of a trend to its end; None without one of them."""
+    begin = dates.get("start") or dates.get("since")
+    if not begin or "end" not in dates:
+        return None
+    return (day_number(dates["end"]) - day_number(begin)) / YEAR
+
+
 @dataclass(frozen=True)
 class TimeProfile:
     """A time profile: its weight by day, and names of its coefficient."""
@@ -135,11 +143,9 @@ class TimeProfile:
         """The fault's bounds times this are those of the size. [-] or [1/year]"""
         if not self.years:
             return 1.0
-        years, begin = self.years, dates.get("start") or dates.get("since")
-        if begin and "end" in dates:
-            years = min(years, (day_number(dates["end"]) - day_number(begin)) / YEAR)
-        elif "start" in dates:
-            years = SEASON
+        if "start" in dates and "end" not in dates:
+            return 1.0 / SEASON
+        years = min(self.years, years_between(dates) or self.years)
         return 1.0 / years
 
 
@@ -363,11 +369,7 @@ def years_to_end(effect: Effect) -> float | None:
     float or None
         None for other effects, and for a trend that goes on.
     """
-    dates = effect.settings
-    begin = dates.get("start") or dates.get("since")
-    if not is_drift(effect) or not begin or "end" not in dates:
-        return None
-    return (day_number(dates["end"]) - day_number(begin)) / YEAR
+    return years_between(effect.settings) if is_drift(effect) else None
 
 
 def date_interval(effect: Effect) -> tuple[float, ...] | None:

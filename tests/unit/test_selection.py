@@ -121,20 +121,31 @@ def test_the_held_out_square_is_that_of_fits_without_each_fold(seed):
     assert held_out(weekly, folds) == pytest.approx(expected, rel=1e-5)
 
 
-@given(st.integers(0, 2**32 - 1))
-def test_the_best_step_is_that_of_all_fits(seed):
-    """Against least squares of every date, where all days are usual ones."""
+def scanned(seed):
+    """Sums of a column that changes, and the fall by least squares with another."""
     random, (days, hours) = np.random.default_rng(seed), clock(60)
     one, rest = random.normal(size=(2, len(days)))
     made = design(rest, {"one": one}, days, hours)
     scan = replace(Scan.from_design(made, [1], 7), trust=np.ones(60))
-    starts = np.arange(7, 54)
-    falls = scan.sums(2).constant(starts, np.full(len(starts), 60))
-    for start, fall in zip(starts[::9], falls[::9]):
-        both = np.column_stack([one, np.ones(len(days)) * (days >= start)])
+
+    def fall_by(column):
+        both = np.column_stack([one, column])
         before = rest - one * (one @ rest) / (one @ one)
         after = rest - both @ np.linalg.lstsq(both, rest, rcond=None)[0]
-        assert fall == pytest.approx(before @ before - after @ after, rel=1e-4)
+        return before @ before - after @ after
+
+    return days, scan.sums(2), fall_by
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_the_best_step_is_that_of_all_fits(seed):
+    """Against least squares of every date, where all days are usual ones."""
+    days, sums, fall_by = scanned(seed)
+    starts = np.arange(7, 54)
+    falls = sums.constant(starts, np.full(len(starts), 60))
+    for start, fall in zip(starts[::9], falls[::9]):
+        step = np.ones(len(days)) * (days >= start)
+        assert fall == pytest.approx(fall_by(step), rel=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -231,17 +242,11 @@ def offsets(rest, days, hours):
 @given(st.integers(0, 2**32 - 1))
 def test_the_best_trend_is_that_of_all_fits(seed):
     """Against least squares of every pair of dates, where all days are usual ones."""
-    random, (days, hours) = np.random.default_rng(seed), clock(60)
-    one, rest = random.normal(size=(2, len(days)))
-    made = design(rest, {"one": one}, days, hours)
-    scan = replace(Scan.from_design(made, [1], 7), trust=np.ones(60))
+    days, sums, fall_by = scanned(seed)
     first, last = np.array([0, 0, 11, 20]), np.array([60, 31, 60, 45])
-    for a, b, fall in zip(first, last, scan.sums(2).linear(first, last)):
+    for a, b, fall in zip(first, last, sums.linear(first, last)):
         trend = np.where((days >= a) & (days < b), days - a + 0.5, 0.0)
-        both = np.column_stack([one, trend])
-        before = rest - one * (one @ rest) / (one @ one)
-        after = rest - both @ np.linalg.lstsq(both, rest, rcond=None)[0]
-        assert fall == pytest.approx(before @ before - after @ after, rel=1e-4)
+        assert fall == pytest.approx(fall_by(trend), rel=1e-4)
 
 
 @pytest.mark.parametrize(
