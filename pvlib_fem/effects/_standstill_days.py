@@ -24,6 +24,7 @@ UNSEEN = 1e-6  # of a column's square; a smaller independent part counts as zero
 NOTHING = 1.0  # twice the log-likelihood below which days at an edge show nothing
 AS_GOOD = 3.84  # twice the log-likelihood by which 95 % of dates are as good
 MOST_SURE = 6.0  # standard errors, beyond which a date is not surer
+MOST_MEMORY = 0.99  # correlation of successive weeks
 WEEK, FEWEST = 7, 8  # days of which others are compared, and how many of these
 SECONDS, HOURS = 86400, 24  # of a day
 Day = int | np.ndarray  # number of a day among those that have rows, or of several
@@ -104,6 +105,26 @@ def without_covers(
     """
     both, square = (np.bincount(covers, even * one) for one in (tangent, even))
     return tangent - ratio(both, square)[covers] * even
+
+
+def sum_inflation(memory: float, count: float) -> float:
+    """
+    Variance of a sum of correlated values, divided by that of independent ones.
+
+    Parameters
+    ----------
+    memory : float
+        Correlation of successive values of a first-order autoregression.
+    count : float
+        Number of values, at least 1; need not be whole.
+
+    Returns
+    -------
+    float
+        From 1 of a single value to (1 + memory) / (1 - memory) of many.
+    """
+    lags = np.arange(1, int(np.ceil(count)))
+    return float(1.0 + 2.0 * np.sum((1.0 - lags / count) * memory**lags))
 
 
 def independent_part(independent: np.ndarray, square: np.ndarray) -> np.ndarray:
@@ -198,7 +219,8 @@ class Days:
         """
         Size in standard errors, from the size of the same plane on other days.
 
-        The errors are of weeks, with the correlation of successive ones.
+        The errors are of weeks. Those of successive weeks are correlated: a sum of a
+        few weeks varies more than weeks without memory, but less than a long one.
 
         Parameters
         ----------
@@ -215,10 +237,12 @@ class Days:
         chance = ratio(each.score + taken, np.sqrt(each.square_given_fit))
         if len(others) < FEWEST or not chance.any():
             return 0.0
-        memory = max(float(np.corrcoef(chance[1:], chance[:-1])[0, 1]), 0.0)
-        wider = (1.0 + memory) / max(1.0 - memory, 1e-3)
+        memory = np.clip(np.corrcoef(chance[1:], chance[:-1])[0, 1], 0.0, MOST_MEMORY)
+        wider = sum_inflation(float(memory), (last - first) / length)
         noise = np.sqrt(own.square_given_fit * wider * np.mean(chance**2))
-        return as_normal(ratio(own.score, noise), max(len(others) / wider, 1.0))
+        # of squares, the correlation is the square (Bartlett 1946)
+        draws = len(others) * (1.0 - memory**2) / (1.0 + memory**2)
+        return as_normal(ratio(own.score, noise), max(float(draws), 1.0))
 
     def edges(
         self, total: Sums, first: int, last: int, errors: float

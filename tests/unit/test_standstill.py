@@ -17,6 +17,7 @@ from pvlib_fem.drivers import derive_drivers, geometry
 from pvlib_fem.drivers._solar import on_plane
 from pvlib_fem.effects import find
 from pvlib_fem.effects._standstill import Axis, find_standstill, rotations
+from pvlib_fem.effects._standstill_days import Days, sum_inflation
 from pvlib_fem.effects._time_profiles import day_number
 from pvlib_fem.quality._plane import Sky
 from pvlib_fem.quality._tracker_standstill import nearest_by_day, standing_of
@@ -420,3 +421,36 @@ def test_light_of_a_sensor_that_is_set_wrong_is_no_standstill():
     data = simulator.record(site, on, days=365, step=900.0, seed=6)
     angles = tuple(data[name].to_numpy() for name in USUAL[-2:])
     assert standing_of(data["poa_global"], data.index, WHERE, angles) == ()
+
+
+# ------------------------------------------------- errors of weeks with a memory
+def weekly_noise(random, memory, weeks):
+    """A stationary first-order autoregression of variance 1."""
+    noise = random.normal(size=weeks)
+    for i in range(1, weeks):
+        noise[i] = memory * noise[i - 1] + np.sqrt(1 - memory**2) * noise[i]
+    return noise
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.4, 0.8])
+@pytest.mark.parametrize("count", [1, 3, 12])
+def test_the_variance_of_sums_of_weeks_is_that_of_an_autoregression(memory, count):
+    lags = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
+    expected = np.sum(memory**lags) / count
+    assert sum_inflation(memory, count) == pytest.approx(expected, rel=1e-9)
+
+
+def test_sums_of_many_weeks_have_the_variance_of_long_ones():
+    assert sum_inflation(0.6, 10_000) == pytest.approx(4.0, rel=1e-3)
+
+
+def test_slow_noise_widens_the_errors_of_three_weeks_as_far_as_three_weeks_vary():
+    random, weeks, shown = np.random.default_rng(0), 52, []
+    day = np.repeat(np.arange(7 * weeks), 3) + np.tile([0.4, 0.5, 0.6], 7 * weeks)
+    tangent, basis = np.ones(len(day)), np.empty((len(day), 0))
+    for _ in range(400):
+        rest = np.repeat(weekly_noise(random, 0.8, weeks), 21)
+        days = Days.from_rows(rest, basis, day)
+        shown.append(days.errors(days.sums(tangent), 140, 161))
+    # by the errors of long sums the standard deviation is 0.62
+    assert 0.75 < np.std(shown) < 1.15
