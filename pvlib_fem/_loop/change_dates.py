@@ -1,12 +1,13 @@
 """Dates of steps, trends and temporary changes that the remaining error shows best."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
+from pvlib_fem._statistics.extremes import rounded_argmax
 from pvlib_fem._statistics.weekly_sums import coefficients_from, with_ridge
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import YEAR, date_text, day_number, is_drift
@@ -21,6 +22,8 @@ UNSEEN = 1e-6  # of a column's square: less of it is nothing given the others
 MOST_SURE = 6.0  # standard errors, beyond which a date is not surer
 #: relative error of a time profile: no sensor fades along an exact line
 PROFILE_ERROR = 0.1
+MOST_RESETS, RESETS_A_YEAR = 12, 2  # of a trend
+AGES = 13  # of a trend on the first day of a record, that are tried
 DAYS_ALIKE = 8.0 / 3.0  # over z²: share of a record's dates that are as good as one
 DATES = "at", "start", "end"  # names of dates in the settings of a change
 LIKELY = 3.84  # twice the log-likelihood by which 95 % of dates are as good
@@ -39,7 +42,10 @@ def number_of_dates(effect: Effect) -> int:
     -------
     int
     """
-    return sum(name in effect.settings for name in DATES if effect.sensor_fault)
+    if not effect.sensor_fault:
+        return 0
+    resets = len(effect.settings.get("resets", ()))
+    return sum(name in effect.settings for name in DATES) + resets
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,24 +113,43 @@ class Scan:
         if len(some):
             step = sums.best(sums.constant, some, last)
             if step.fall > 0:
-                yield "step", {"at": date_text(dates[step.first])}
+                yield "step", {"at": self.date_at(step.first)}
             trends.append(sums.best(sums.linear, some, last))
             trends.append(sums.best(sums.linear, np.array([0]), some))
         episode = sums.inside(sums.constant, side, GRID)
         if episode is not None:
-            start = date_text(dates[episode.first])
-            yield "episode", {"start": start, "end": self.day_after(episode)}
+            start, end = self.date_at(episode.first), self.date_at(episode.last)
+            yield "episode", {"start": start, "end": end}
         inside = sums.inside(sums.linear, side, SPARSE)
-        trend = simplest([*trends, inside] if inside else trends, days)
+        trends += [inside] if inside else []
+        sawtooth = sums.with_resets(side)
+        trends += [sawtooth] if sawtooth else []
+        trend = simplest(trends, days)
         if trend.dates(days):
-            begin = {"start" if trend.first else "since": date_text(dates[trend.first])}
-            end = {"end": self.day_after(trend)} if trend.last < days else {}
-            yield "drift", begin | end
+            begin = {"start" if trend.first else "since": self.date_at(trend.first)}
+            end = {"end": self.date_at(trend.last)} if trend.last < days else {}
+            yield "drift", begin | self.resets_of(trend) | end
         yield "drift", {"since": date_text(dates[0])}
 
-    def day_after(self, span: "Span") -> str:
-        """The first day after the days of a change."""
-        return date_text(self.design.dates[span.last - 1] + 1)
+    def resets_of(self, span: "Span") -> dict[str, tuple[str, ...]]:
+        """Dates on which a trend begins again, perhaps of one before the record."""
+        first, resets = self.design.dates[0], []
+        if span.before:
+            resets.append(date_text(first - round(span.before * YEAR)))
+        resets += map(self.date_at, span.resets)
+        return {"resets": tuple(resets)} if resets else {}
+
+    def date_at(self, place: int) -> str:
+        """
+        The day on which something begins that the day at a place is the first to show.
+
+        The days before it may have no rows that are fitted, as those of test weeks. It
+        began on any of them, and in the middle is closest to all.
+        """
+        dates = self.design.dates
+        if not 0 < place < len(dates):
+            return date_text(dates[0] if place == 0 else dates[-1] + 1)
+        return date_text((dates[place - 1] + 1 + dates[place]) // 2)
 
 
 @dataclass(frozen=True)
@@ -134,10 +159,13 @@ class Span:
     first: int
     last: int  # first day after it
     fall: float
+    resets: tuple[int, ...] = ()  # days on which a trend begins again from 0
+    before: float = 0.0  # years before the record in which it began
 
     def dates(self, days: int) -> int:
-        """Number of its ends that are within a record of so many days."""
-        return int(self.first > 0) + int(self.last < days)
+        """Number of its dates that were looked for in a record of so many days."""
+        ends = int(self.first > 0) + int(self.last < days)
+        return ends + len(self.resets) + int(self.before > 0.0)
 
 
 def simplest(spans: Sequence[Span], days: int) -> Span:
@@ -189,12 +217,92 @@ class ChangeSums:
 
     def linear(self, first: np.ndarray, last: np.ndarray) -> np.ndarray:
         """Falls of the sum of squares by trends from some days until before others."""
-        begin, (means, squares) = self.years[first], self.moments
+        return self.square_falls(self.increase(first, last))
+
+    def increase(
+        self, first: np.ndarray, last: np.ndarray, before: float | np.ndarray = 0.0
+    ) -> np.ndarray:
+        """Sums of a trend from some days until before others, begun years before."""
+        begin, (means, squares) = self.years[first][:, None] - before, self.moments
         plain, mean = self.sums[last] - self.sums[first], means[last] - means[first]
-        parts = mean - begin[:, None] * plain
-        square = squares[last] - squares[first]
-        parts[:, 1] = square - begin * (2.0 * mean[:, 1] - begin * plain[:, 1])
-        return self.square_falls(parts)
+        parts = mean - begin * plain
+        square = (squares[last] - squares[first])[:, None]
+        own = square - begin * (2.0 * mean[:, 1:2] - begin * plain[:, 1:2])
+        return np.concatenate([parts[..., :1], own, parts[..., 2:]], axis=-1)
+
+    def with_resets(self, side: int) -> Span | None:
+        """
+        The best trend of the whole record that begins again from 0 at some dates.
+
+        Dates are added one by one, each where it explains most. Of these trends, the
+        simplest is taken.
+
+        Parameters
+        ----------
+        side : int
+            Least number of days between two dates.
+        """
+        days = len(self.table)
+        grid = np.unique(np.linspace(0, days, min(GRID, days)).astype(int))
+        span, spans = Span(0, days, 0.0), []
+        for _ in range(min(MOST_RESETS, int(self.years[-1] * RESETS_A_YEAR))):
+            place = self.best_reset(span, grid, side)
+            if place is None:
+                break
+            span = self.begun_before(tuple(sorted([*span.resets, place])))
+            spans.append(span)
+        if not spans:
+            return None
+        span = self.in_place(simplest(spans, days), side)
+        fewer = [
+            self.begun_before((*span.resets[:i], *span.resets[i + 1 :]))
+            for i in range(len(span.resets) if len(span.resets) > 1 else 0)
+        ]
+        return simplest([span, *fewer], days)
+
+    def teeth(self, resets: Sequence[int], before: float | np.ndarray) -> np.ndarray:
+        """Sums of a trend with some resets, begun some years before the record."""
+        edges = np.array([0, *resets, len(self.table)])
+        first = self.increase(edges[:1], edges[1:2], np.asarray(before)[..., None])
+        return first + self.increase(edges[1:-1], edges[2:]).sum(axis=0)
+
+    def best_reset(self, span: Span, some: np.ndarray, side: int) -> int | None:
+        """The day at which one more reset of a trend explains most, or None."""
+        edges = np.array([0, *span.resets, len(self.table)])
+        after = np.searchsorted(edges, some, side="right")
+        some, after = (one[(after < len(edges))] for one in (some, after))
+        low, high = edges[after - 1], edges[after]
+        far = (some - low >= side) & (high - some >= side)
+        some, low, high = some[far], low[far], high[far]
+        if not len(some):
+            return None
+        before = np.where(low == 0, span.before, 0.0)[:, None]
+        parts = self.teeth(span.resets, span.before) - self.increase(low, high, before)
+        parts = parts + self.increase(low, some, before) + self.increase(some, high)
+        return int(some[np.argmax(self.square_falls(parts))])
+
+    def begun_before(self, resets: tuple[int, ...]) -> Span:
+        """A trend with some resets, as old on the first day as explains most."""
+        edges = np.array([0, *resets, len(self.table)])
+        longest = np.diff(edges).max() / YEAR
+        before = longest * np.linspace(0.0, 1.0, AGES)
+        falls = self.square_falls(self.teeth(resets, before[:, None])[:, 0])
+        at = rounded_argmax(falls)
+        return Span(0, len(self.table), float(falls[at]), resets, float(before[at]))
+
+    def in_place(self, span: Span, side: int) -> Span:
+        """The trend with each reset where it explains most given the others."""
+        every = np.arange(len(self.table))
+        for _ in range(2):
+            for reset in span.resets:
+                others = tuple(one for one in span.resets if one != reset)
+                left = replace(span, resets=others)
+                near = every[abs(every - reset) <= len(every) // GRID + 1]
+                place = self.best_reset(left, near, side)
+                if place is not None:
+                    span = replace(span, resets=tuple(sorted([*others, place])))
+            span = self.begun_before(span.resets)
+        return span
 
     def square_falls(self, parts: np.ndarray) -> np.ndarray:
         """Fall of the sum of squares by a column of such sums, with a possible sign."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
+from scipy.special import gammaln
 
 from pvlib_fem._loop.change_dates import Scan, number_of_dates
 from pvlib_fem._loop.design import Changed, Column, Design, columns_of
@@ -103,7 +104,7 @@ def dated_candidates(
                 continue
             effect = changes[time_profile].dates(**dates)
             many = number_of_dates(effect)
-            log_dates = many * np.log(days) - (np.log(2.0) if many == 2 else 0.0)
+            log_dates = many * np.log(days) - gammaln(many + 1.0)
             yield Candidate(
                 effect,
                 columns_of(design, effect),

@@ -291,7 +291,7 @@ class Selection:
                 others = [*choices[:i], *choices[i + 1 :]]
                 now = self.score(mine.top, self.given(others))
                 holds = self.holds(now)
-                least = BETTER * now.fall if holds else 0.0
+                least = BETTER * worth(mine.top, now) if holds else 0.0
                 better = self.best(others, least, without)
                 if better is not None:
                     changed = changed or better.top.columns != mine.top.columns
@@ -353,19 +353,18 @@ class Selection:
         least: float = 0.0,
         without: str = "",
     ) -> Choice | None:
-        """The choice that explains most given others, and more than that, or None."""
+        """The choice that is worth most given others, and more than that, or None."""
         given = self.given(choices)
         best: Choice | None = None
         others = self.candidates(given, names_of(choices), without)
-        falls, least = self.in_samples(others, given), max(self.least, least)
+        falls, most = self.in_samples(others, given), least
         for i in np.argsort(-falls, kind="stable"):
             # on weeks left out it explains no more than on those that are fitted
-            if falls[i] < least or (best and falls[i] < best.fall):
+            if falls[i] < max(self.least, most):
                 break
             score = self.score(others[i], given)
-            better = score.fall > (least if best is None else best.fall)
-            if better and self.holds(score):
-                best = Choice(others[i], score)
+            if self.holds(score) and worth(others[i], score) > most:
+                best, most = Choice(others[i], score), worth(others[i], score)
         return best
 
     @cached_property
@@ -552,6 +551,18 @@ class Selection:
         shares = np.exp(logs - logs.max(axis=0))
         shares = (shares / shares.sum(axis=0))[:, 1:].mean(axis=1)
         return dict(zip(members, shares.tolist()))
+
+
+def worth(one: Candidate, score: Score) -> float:
+    """
+    What a candidate explains, less what its dates cost. [K²]
+
+    It is the scale of the posterior among time profiles: half of the squared standard
+    errors are the logarithm of the likelihood of all that it explains.
+    """
+    sure = min(float(np.abs(score.estimate[0]) / score.stderr[0]), 1.0 / PROFILE_ERROR)
+    cost = dates_cost(number_of_dates(one.effect), sure)
+    return score.fall * (1.0 - 2.0 * cost / max(sure, 1e-12) ** 2)
 
 
 def names_of(choices: Iterable[Choice]) -> set[str]:

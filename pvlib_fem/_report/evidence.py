@@ -340,7 +340,7 @@ def pictures_of(finding: Finding, loop: "Loop") -> list[Picture]:
     own = {effect.name: effect for effect in loop.fit.effects}
     main = own.get(finding.effect)
     settings = dict(main.settings) if main is not None else {}
-    dates = {n: settings[n] for n in (*DATES, "between") if n in settings}
+    dates = {n: settings[n] for n in (*DATES, "resets", "between") if n in settings}
     drawn = {}
     for name in finding.candidates:
         if (effect := own.get(name) or EFFECTS.get(name)) is None:

@@ -110,8 +110,9 @@ class Rows:
     @property
     def marks(self) -> Marks:
         """The dates of the finding."""
-        lines = tuple(self.settings[n] for n in DATES if self.settings.get(n))
-        return Marks(lines, tuple(self.settings.get("between") or ()))
+        lines = [self.settings[n] for n in DATES if self.settings.get(n)]
+        lines += self.settings.get("resets", ())
+        return Marks(tuple(lines), tuple(self.settings.get("between") or ()))
 
     def daily(
         self, rows: np.ndarray, one: np.ndarray, other: np.ndarray | None = None

@@ -6,7 +6,7 @@ Each time profile is defined once and applies to every fault.
 """
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
@@ -82,14 +82,17 @@ def drift(
     since: str | None = None,
     start: str | None = None,
     end: str | None = None,
+    resets: Sequence[str] = (),
     between: Any = None,
 ) -> Callable:
     """
     A linear increase by 1 per year, which is 0 at ``since``, or on the first day.
 
-    With ``start`` it begins there, and there is none of it before. ``end`` is the first
-    day after it, as of a sensor that is cleaned or replaced. ``between`` is the
-    interval of possible dates of the start.
+    With ``start`` it begins there, and there is none of it before. At each of
+    ``resets`` it begins again from 0, as of a sensor that is cleaned; one before the
+    first day says since when it has increased there. ``end`` is the first day after it,
+    as of a sensor that is replaced. ``between`` is the interval of possible dates of
+    the start.
     """
     if since is not None and start is not None:
         raise ValueError(
@@ -102,9 +105,21 @@ def drift(
     if first is not None and not first < last:
         name = "since" if start is None else "start"
         raise ValueError(f"{name} = {zero!r} is not before end = {end!r}")
+    if isinstance(resets, str):
+        raise ValueError(f"resets = {resets!r} is one date; give a list of dates")
+    again = np.sort([day_number(date) for date in resets])
+    if start is not None and len(again) and not again[0] > day_number(start):
+        raise ValueError(
+            f"the first of resets = {resets!r} is not after start = {start!r}"
+        )
+    if len(again) and not again[-1] < last:
+        raise ValueError(f"the last of resets = {resets!r} is not before end = {end!r}")
 
     def weight(day: np.ndarray) -> np.ndarray:
-        years = (day - (day[0] if first is None else first)) / YEAR
+        zero = np.full(np.shape(day), day[0] if first is None else first)
+        for one in again:
+            zero = np.where(day >= one, one, zero)
+        years = (day - zero) / YEAR
         if start is not None:
             years = np.maximum(years, 0.0)
         return np.where(day < last, years, 0.0)
@@ -112,12 +127,36 @@ def drift(
     return weight
 
 
-def years_between(dates: Mapping) -> float | None:
-    """Years from the begin of a trend to its end; None without one of them."""
+def zeros_of(dates: Mapping) -> list[str]:
+    """
+    Dates on which a trend begins, and begins again from 0.
+
+    A reset before the date on which it would be 0 takes its place.
+    """
+    resets = sorted(dates.get("resets", ()), key=day_number)
     begin = dates.get("start") or dates.get("since")
-    if not begin or "end" not in dates:
-        return None
-    return (day_number(dates["end"]) - day_number(begin)) / YEAR
+    if begin and not (resets and day_number(resets[0]) <= day_number(begin)):
+        return [begin, *resets]
+    return resets
+
+
+def years_of_increase(dates: Mapping) -> float | None:
+    """
+    Most years in which a trend increases until it begins again, or ends.
+
+    Parameters
+    ----------
+    dates : mapping
+        Of a trend.
+
+    Returns
+    -------
+    float or None
+        None for a trend that does neither.
+    """
+    ends = [dates["end"]] if "end" in dates else []
+    days = [day_number(date) for date in (*zeros_of(dates), *ends)]
+    return float(np.diff(days).max()) / YEAR if len(days) > 1 else None
 
 
 @dataclass(frozen=True)
@@ -143,10 +182,10 @@ class TimeProfile:
         """The fault's bounds times this are those of the size. [-] or [1/year]"""
         if not self.years:
             return 1.0
-        if "start" in dates and "end" not in dates:
-            return 1.0 / SEASON
-        years = min(self.years, years_between(dates) or self.years)
-        return 1.0 / years
+        years = years_of_increase(dates)
+        if years is None:
+            return 1.0 / (SEASON if "start" in dates else self.years)
+        return 1.0 / min(self.years, years)
 
 
 TIME_PROFILES = (
@@ -203,7 +242,8 @@ class DatedChange:
     def __signature__(self) -> Any:
         return inspect.signature(self.time_profile.weight)
 
-    def __call__(self, **dates: str) -> Effect:
+    def __call__(self, **dates: Any) -> Effect:
+        dates = {n: tuple(v) if isinstance(v, list) else v for n, v in dates.items()}
         if not self.time_profile.missing(dates):
             self.time_profile.weight(**dates)  # refuses invalid dates
         return replace(
@@ -248,19 +288,28 @@ def dates_in_words(dates: Mapping) -> str:
     Parameters
     ----------
     dates : mapping of str
-        ``at`` or ``since``, or ``start`` and ``end``; perhaps ``between``, a pair of
-        dates.
+        ``at`` or ``since``, or ``start`` and ``end``; perhaps ``resets``, and
+        ``between``, a pair of dates.
 
     Returns
     -------
     str
-        The first day, the days between which it is in brackets, and the last day; ""
-        without a date.
+        The first day, the days between which it is in brackets, those on which a trend
+        begins again, and the last day; "" without a date.
     """
-    words = dates.get("at") or dates.get("since") or dates.get("start") or ""
+    begin, *resets = [dates["at"]] if "at" in dates else zeros_of(dates) or [""]
     low, high = dates.get("between") or (None, None)
-    words += f" ({low} to {high})" if low != high else ""
+    words = begin + (f" ({low} to {high})" if low != high else "")
+    if resets:
+        words += f", again from zero on {in_a_row(resets)}"
+        words += "," if "end" in dates else ""
     return f"{words} until {last_day(dates['end'])}" if "end" in dates else words
+
+
+def in_a_row(dates: Sequence[str]) -> str:
+    """Dates in words, the last after "and"."""
+    *others, last = dates
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def last_day(end: str) -> str:
@@ -369,7 +418,7 @@ def years_to_end(effect: Effect) -> float | None:
     float or None
         None for other effects, and for a trend that goes on.
     """
-    return years_between(effect.settings) if is_drift(effect) else None
+    return years_of_increase(effect.settings) if is_drift(effect) else None
 
 
 def date_interval(effect: Effect) -> tuple[float, ...] | None:

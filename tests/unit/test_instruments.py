@@ -314,6 +314,73 @@ def test_a_trend_until_a_sensor_is_cleaned_is_found_with_its_dates(
     assert abs(day_number(settings["start"]) - day_number(TOOTH["start"])) <= 21
 
 
+RESETS = ("2023-04-20", "2023-12-10", "2024-07-01")
+
+
+def test_a_trend_begins_again_from_zero_at_its_resets():
+    effect = dated("irradiance_sensor_drift", since="2023-01-01", resets=[*RESETS])
+    days = np.arange(day_number("2023-01-01"), day_number("2024-12-31"))
+    zeros = np.array([day_number(date) for date in ("2023-01-01", *RESETS)])
+    last = zeros[np.searchsorted(zeros, days, side="right") - 1]
+    np.testing.assert_allclose(weights_of(effect, days), (days + 0.5 - last) / YEAR)
+    assert find({"name": effect.name, **effect.settings}).settings == effect.settings
+
+
+def test_a_reset_before_the_record_says_since_when_a_trend_has_increased():
+    dates = {"since": "2023-01-01", "resets": ("2022-09-10", "2023-06-10")}
+    effect = dated("irradiance_sensor_drift", **dates)
+    (begin,) = weights_of(effect, np.array([day_number("2023-01-01")]))
+    ago = day_number("2023-01-01") - day_number("2022-09-10")
+    assert begin == pytest.approx((ago + 0.5) / YEAR)
+    assert effect.source == "2022-09-10, again from zero on 2023-06-10"
+    # it reaches the bounds of its fault in the longest time without a reset
+    (row,) = effect.parameters.values()
+    (fault,) = (one for one in SENSOR_FAULTS if one.name == "irradiance_sensor")
+    (of_fault,) = fault.parameters.values()
+    assert row.upper == pytest.approx(of_fault.upper * YEAR / 273.0)
+
+
+@pytest.mark.parametrize(
+    ("dates", "words"),
+    [
+        ({"resets": "2023-04-20"}, "is one date; give a list of dates"),
+        ({"resets": ["April"]}, "'April' is no date"),
+        ({"start": "2023-05-01", "resets": RESETS}, "is not after start"),
+        ({"end": "2024-06-01", "resets": RESETS}, "is not before end"),
+    ],
+)
+def test_resets_that_are_no_dates_of_a_trend_are_refused(dates, words):
+    with pytest.raises(ValueError, match=words):
+        dated("irradiance_sensor_drift", **dates)
+
+
+@pytest.mark.parametrize("sensor_fault", ["irradiance_sensor", "module_offset"])
+def test_a_sensor_that_is_cleaned_several_times_has_one_trend(sensor_fault):
+    weather = datasets.synthetic(730, 3600, noise=0).tz_localize(None)
+    weather.index = pd.date_range("2023-01-01", periods=len(weather), freq="h")
+    name = f"{sensor_fault}_drift"
+    effect = dated(name, since="2023-01-01", resets=RESETS)
+    (key,) = effect.rows()
+    model = ThermalModel(STEADY_MODELS["faiman"], "balance", (effect,))
+    values = coefficients("balance") | {key: 2.0 * SIZES[sensor_fault]}
+    module = model.predict(*(weather[n] for n in DRIVERS), values)
+    random = np.random.default_rng(7).normal(0.0, 0.4, len(module))
+    loop = closed(weather[list(DRIVERS)].assign(temp_module=module + random))
+    (found,) = (f for f in loop.finding_objects if f.added)
+    assert name in found.candidates
+    (own,) = (e for e in loop.fit.effects if e.sensor_fault)
+    resets = [day_number(date) for date in own.settings["resets"]]
+    apart = np.subtract.outer([day_number(date) for date in RESETS], resets)
+    assert np.abs(apart).min(axis=1).max() <= 7
+    (text,) = loop.statements["text"][loop.statements["cause"] == found.effect]
+    assert "again from zero on" in text
+    assert (
+        loop.fit.coefficients[own.sensor_fault + "_drift.per_year"]
+        == pytest.approx(values[key], rel=0.1)
+        or own.sensor_fault != sensor_fault
+    )
+
+
 def test_where_nothing_changes_nothing_is_found():
     """Ten records of noise with a memory of hours: no date in any."""
     for seed in range(10):

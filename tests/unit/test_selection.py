@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 
 from pvlib_fem import Criteria, close_loop, simulator
 from pvlib_fem._findings import OUTSIDE
-from pvlib_fem._loop.change_dates import Scan, first_days
+from pvlib_fem._loop.change_dates import Scan, first_days, simplest
 from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.design import Changed, Design, independent_columns
 from pvlib_fem._loop.dictionary import Candidate, dated_candidates
@@ -28,7 +28,7 @@ from pvlib_fem._statistics.weekly_sums import (
     products,
 )
 from pvlib_fem.effects import CHANGES, EFFECTS, find
-from pvlib_fem.effects._time_profiles import day_number, weights_of
+from pvlib_fem.effects._time_profiles import YEAR, day_number, weights_of
 
 START = 19_358  # 2023-01-01
 CRITERIA = Criteria()
@@ -250,29 +250,58 @@ def test_the_best_trend_is_that_of_all_fits(seed):
 
 
 @pytest.mark.parametrize(
-    ("per_year", "change", "at", "alone"),
-    [
-        (1.0, -2.0, 500, ["drift", "episode"]),
-        (1.0, -1.5, 350, ["drift", "episode"]),
-        (1.0, -2.6, 500, ["step", "drift"]),
-    ],
+    ("per_year", "change", "at"),
+    [(1.0, -2.0, 500), (1.0, -1.5, 350), (1.0, -2.6, 500), (1.0, -4.0, 500)],
 )
-def test_a_trend_and_a_step_that_hide_each_other_are_found(per_year, change, at, alone):
-    """A sensor that drifts until it is replaced, or one temporary change for both."""
+def test_a_trend_and_a_step_that_hide_each_other_are_found(per_year, change, at):
+    """
+    A sensor that drifts until it is replaced or cleaned.
+
+    A step by no more than a trend may have reached is a trend that begins again.
+    """
     random, (days, hours) = np.random.default_rng(9), clock(700)
     rest = per_year * days / 365.25 + change * (days >= at) + noise(random, len(days))
     selection = offsets(rest, days, hours)
-    before = selection.run()
-    assert [one.top.name for one in before] == [f"module_offset_{n}" for n in alone]
-    after = {one.top.name: one for one in selection.refined(before)}
-    assert {*after} == {"module_offset_step", "module_offset_drift"}
-    (step,) = after["module_offset_step"].score.estimate
-    (drift,) = after["module_offset_drift"].score.estimate
-    assert step == pytest.approx(change, abs=0.15)
-    assert drift == pytest.approx(per_year, abs=0.15)
-    date = day_number(after["module_offset_step"].top.effect.settings["at"])
-    assert abs(date - START - at) <= 7
-    assert selection.remaining([*after.values()]) <= selection.remaining(before)
+    found = {one.top.name: one for one in selection.refined(selection.run())}
+    trend = found.pop("module_offset_drift")
+    assert trend.score.estimate[0] == pytest.approx(per_year, abs=0.15)
+    settings = trend.top.effect.settings
+    if found:
+        (step,) = found.values()
+        assert step.top.name == "module_offset_step"
+        assert step.score.estimate[0] == pytest.approx(change, abs=0.15)
+        date = step.top.effect.settings["at"]
+    else:
+        begin, date = settings["resets"]
+        age = day_number(date) - day_number(begin)
+        assert per_year * age / 365.25 == pytest.approx(-change, abs=0.2)
+    assert abs(day_number(date) - START - at) <= 7
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_a_trend_with_resets_is_that_of_all_fits(seed):
+    """Against least squares of the whole trend, also of one that is older."""
+    days, sums, fall_by = scanned(seed)
+    for resets, age in (((), 0.0), ((20, 41), 0.0), ((15,), 12.0)):
+        zeros = np.array([-age, *resets])
+        last = zeros[np.searchsorted(zeros, days, side="right") - 1]
+        fall = sums.square_falls(sums.teeth(resets, age / YEAR))
+        assert fall == pytest.approx([fall_by(days - last + 0.5)], rel=1e-4)
+
+
+def test_resets_are_found_and_a_trend_without_any_has_none():
+    random, (days, hours) = np.random.default_rng(3), clock(1100)
+    for at in ((), (380, 790), (200, 420, 880)):
+        zeros = np.array([0, *at])
+        last = zeros[np.searchsorted(zeros, days, side="right") - 1]
+        rest = 1.5 * (days - last) / YEAR + noise(random, len(days))
+        columns = {"one": np.ones(len(days)), "wave": np.cos(hours / 4.0)}
+        made = design(rest, columns, days, hours, changing=OFFSETS)
+        sums = Scan.from_design(made, [1, 2], 7).sums(3, -1.0, 1.0)
+        whole = sums.best(sums.linear, np.array([0]), np.array([1100]))
+        span = simplest([whole, sums.with_resets(7)], 1100)
+        assert len(span.resets) == len(at)
+        assert all(abs(a - b) <= 10 for a, b in zip(span.resets, at))
 
 
 def test_noise_that_remembers_weeks_is_no_pair_of_changes():
