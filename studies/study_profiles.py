@@ -1,9 +1,9 @@
 """
 Sensors that change along no exact step, trend or temporary change.
 
-Run as ``python studies/study_profiles.py [--records 96] [--seed 80000]``; the table is
+Run as ``python studies/study_profiles.py [--records 120] [--seed 80400]``; the table is
 Markdown. A sensor of a simulated record with full physics has a fault along one of
-eight time profiles, of which three are in the catalogue. A finding is right if the
+ten time profiles, of which six are in the catalogue. A finding is right if the
 device is in its set.
 """
 
@@ -27,6 +27,8 @@ PROFILES = {
     "stairs": "changes in four steps",
     "hinge": "a trend that begins within the record",
     "slope": "a trend that begins, and ends when the sensor is cleaned",
+    "cleanings": "a trend that begins again at two to four cleanings",
+    "swaps": "two to four steps to any sizes",
 }
 FAULTS = ("irradiance_sensor", "module_sensor_contact", "anemometer", "air_offset")
 ODDS = (0.5, 0.25, 0.15, 0.1)
@@ -54,7 +56,15 @@ def weights(profile, day, days, random):
         return sum((day >= one) * 0.25 for one in each)
     if profile == "hinge":
         return np.clip((day - first) / (days - first), 0.0, 1.0)
-    return np.clip((day - first) / (last - first), 0.0, 1.0) * (day < last)
+    if profile == "slope":
+        return np.clip((day - first) / (last - first), 0.0, 1.0) * (day < last)
+    ends = np.sort(random.uniform(0.1, 0.9, random.integers(2, 5))) * days
+    longest = np.diff([0.0, *ends, days]).max()
+    zero, level = np.zeros_like(day), np.zeros_like(day)
+    for one in ends:
+        zero[day >= one] = one
+        level[day >= one] = random.uniform(-1.0, 1.0)
+    return (day - zero) / longest if profile == "cleanings" else level
 
 
 def looked(seed):
@@ -99,8 +109,8 @@ def is_one_of(devices):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--records", type=int, default=96)
-    parser.add_argument("--seed", type=int, default=80_000)
+    parser.add_argument("--records", type=int, default=120)
+    parser.add_argument("--seed", type=int, default=80_400)
     parser.add_argument("--processes", type=int, default=2)
     given = parser.parse_args()
     tasks = [(seed,) for seed in range(given.seed, given.seed + given.records)]

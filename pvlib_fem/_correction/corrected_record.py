@@ -26,7 +26,7 @@ class CorrectedRecord:
         ``column``: ``all`` where it is the clock of the file;
         ``applied``: whether the column was corrected;
         ``start``, ``end``: from when to when, ``YYYY-MM-DD`` or a time of the file. A
-        trend is 0 at its ``start``;
+        trend is 0 at its ``start``, unless its words have an earlier day;
         ``size``: what is added to the reading, as a share of it or in K; of a clock
         the minutes that are added to times, of a unit the factor;
         ``stderr``: its standard error;

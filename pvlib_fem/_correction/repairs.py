@@ -249,7 +249,7 @@ def time_in_words(effect: Effect) -> str:
     words = dates_in_words(effect.settings) if is_dated(effect) else ""
     return {
         "step": f"from {words} on",
-        "drift": f"from {words}, increasingly"
+        "drift": f"increasingly from {words}"
         if years_to_end(effect)
         else f"from year to year since {words}",
         "episode": f"from {words}",

@@ -109,9 +109,10 @@ class Rows:
 
     @property
     def marks(self) -> Marks:
-        """The dates of the finding."""
+        """The dates of the finding, from the first day of the record on."""
         lines = [self.settings[n] for n in DATES if self.settings.get(n)]
-        lines += self.settings.get("resets", ())
+        first = f"{self.index[0]:%Y-%m-%d}"
+        lines += [day for day in self.settings.get("resets", ()) if day >= first]
         return Marks(tuple(lines), tuple(self.settings.get("between") or ()))
 
     def daily(
