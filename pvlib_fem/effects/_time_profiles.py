@@ -116,10 +116,8 @@ def drift(
         raise ValueError(f"the last of resets = {resets!r} is not before end = {end!r}")
 
     def weight(day: np.ndarray) -> np.ndarray:
-        zero = np.full(np.shape(day), day[0] if first is None else first)
-        for one in again:
-            zero = np.where(day >= one, one, zero)
-        years = (day - zero) / YEAR
+        zeros = np.append(day[0] if first is None else first, again)
+        years = (day - zeros[np.searchsorted(again, day, side="right")]) / YEAR
         if start is not None:
             years = np.maximum(years, 0.0)
         return np.where(day < last, years, 0.0)
