@@ -358,10 +358,13 @@ class Selection:
         best: Choice | None = None
         others = self.candidates(given, names_of(choices), without)
         falls, most = self.in_samples(others, given), least
-        for i in np.argsort(-falls, kind="stable"):
-            # on weeks left out it explains no more than on those that are fitted
-            if falls[i] < max(self.least, most):
+        # on weeks left out it explains no more than on those that are fitted
+        bounds = falls * [worth_share(one, 1.0 / PROFILE_ERROR) for one in others]
+        for i in np.argsort(-bounds, kind="stable"):
+            if bounds[i] < most:
                 break
+            if falls[i] < self.least:
+                continue
             score = self.score(others[i], given)
             if self.holds(score) and worth(others[i], score) > most:
                 best, most = Choice(others[i], score), worth(others[i], score)
@@ -554,15 +557,20 @@ class Selection:
 
 
 def worth(one: Candidate, score: Score) -> float:
+    """What a candidate explains, less what its dates cost. [K²]"""
+    sure = float(np.abs(score.estimate[0]) / score.stderr[0])
+    return score.fall * worth_share(one, min(sure, 1.0 / PROFILE_ERROR))
+
+
+def worth_share(one: Candidate, sure: float) -> float:
     """
-    What a candidate explains, less what its dates cost. [K²]
+    Share of what a candidate explains that is left when its dates are paid for.
 
     It is the scale of the posterior among time profiles: half of the squared standard
     errors are the logarithm of the likelihood of all that it explains.
     """
-    sure = min(float(np.abs(score.estimate[0]) / score.stderr[0]), 1.0 / PROFILE_ERROR)
     cost = dates_cost(number_of_dates(one.effect), sure)
-    return score.fall * (1.0 - 2.0 * cost / max(sure, 1e-12) ** 2)
+    return 1.0 - 2.0 * cost / max(sure, 1e-12) ** 2
 
 
 def names_of(choices: Iterable[Choice]) -> set[str]:
