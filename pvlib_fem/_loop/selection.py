@@ -564,7 +564,7 @@ def worth(one: Candidate, score: Score) -> float:
 
 def worth_share(one: Candidate, sure: float) -> float:
     """
-    Share of what a candidate explains that is left when its dates are paid for.
+    Share of what a candidate explains beyond the cost of its dates.
 
     It is the scale of the posterior among time profiles: half of the squared standard
     errors are the logarithm of the likelihood of all that it explains.
