@@ -254,11 +254,10 @@ class ChangeSums:
         if not spans:
             return None
         span = self.in_place(simplest(spans, days), side)
-        fewer = [
-            self.begun_before((*span.resets[:i], *span.resets[i + 1 :]))
-            for i in range(len(span.resets) if len(span.resets) > 1 else 0)
-        ]
-        return simplest([span, *fewer], days)
+        if len(span.resets) == 1:
+            return span
+        fewer = [without(span.resets, one) for one in span.resets]
+        return simplest([span, *map(self.begun_before, fewer)], days)
 
     def teeth(self, resets: Sequence[int], before: float | np.ndarray) -> np.ndarray:
         """Sums of a trend with some resets, begun some years before the record."""
@@ -270,8 +269,8 @@ class ChangeSums:
         """The day at which one more reset of a trend explains most, or None."""
         edges = np.array([0, *span.resets, len(self.table)])
         after = np.searchsorted(edges, some, side="right")
-        some, after = (one[(after < len(edges))] for one in (some, after))
-        low, high = edges[after - 1], edges[after]
+        within = after < len(edges)
+        some, low, high = some[within], edges[after[within] - 1], edges[after[within]]
         far = (some - low >= side) & (high - some >= side)
         some, low, high = some[far], low[far], high[far]
         if not len(some):
@@ -295,7 +294,7 @@ class ChangeSums:
         every = np.arange(len(self.table))
         for _ in range(2):
             for reset in span.resets:
-                others = tuple(one for one in span.resets if one != reset)
+                others = without(span.resets, reset)
                 left = replace(span, resets=others)
                 near = every[abs(every - reset) <= len(every) // GRID + 1]
                 place = self.best_reset(left, near, side)
@@ -370,6 +369,11 @@ class ChangeSums:
             lasts = np.arange(span.first + side, days - side + 1)
             span = self.best(falls, np.array([span.first]), lasts)
         return span
+
+
+def without(resets: tuple[int, ...], reset: int) -> tuple[int, ...]:
+    """Some resets without one of them."""
+    return tuple(one for one in resets if one != reset)
 
 
 def before_each(table: np.ndarray) -> np.ndarray:

@@ -250,10 +250,15 @@ def test_the_best_trend_is_that_of_all_fits(seed):
 
 
 @pytest.mark.parametrize(
-    ("per_year", "change", "at"),
-    [(1.0, -2.0, 500), (1.0, -1.5, 350), (1.0, -2.6, 500), (1.0, -4.0, 500)],
+    ("per_year", "change", "at", "again"),
+    [
+        (1.0, -2.0, 500, True),
+        (1.0, -1.5, 350, True),
+        (1.0, -2.6, 500, True),
+        (1.0, -4.0, 500, False),
+    ],
 )
-def test_a_trend_and_a_step_that_hide_each_other_are_found(per_year, change, at):
+def test_a_trend_and_a_step_that_hide_each_other_are_found(per_year, change, at, again):
     """
     A sensor that drifts until it is replaced or cleaned.
 
@@ -266,7 +271,8 @@ def test_a_trend_and_a_step_that_hide_each_other_are_found(per_year, change, at)
     trend = found.pop("module_offset_drift")
     assert trend.score.estimate[0] == pytest.approx(per_year, abs=0.15)
     settings = trend.top.effect.settings
-    if found:
+    assert len(found) == (0 if again else 1)
+    if not again:
         (step,) = found.values()
         assert step.top.name == "module_offset_step"
         assert step.score.estimate[0] == pytest.approx(change, abs=0.15)
@@ -276,6 +282,26 @@ def test_a_trend_and_a_step_that_hide_each_other_are_found(per_year, change, at)
         age = day_number(date) - day_number(begin)
         assert per_year * age / 365.25 == pytest.approx(-change, abs=0.2)
     assert abs(day_number(date) - START - at) <= 7
+
+
+def test_two_steps_that_look_like_a_trend_are_found():
+    """The trend is sure alone; without its time profile, two changes explain more."""
+    random, (days, hours) = np.random.default_rng(9), clock(700)
+    level = (days >= 150) + (days >= 400) * 1.0
+    selection = offsets(level + noise(random, len(days)), days, hours)
+    before = selection.run()
+    assert [one.top.name for one in before] == ["module_offset_drift"]
+    after = selection.refined(before)
+    assert len(after) == 2
+    assert selection.remaining(after) < selection.remaining(before) - selection.least
+    shown = [
+        one.score.estimate[0] * weights_of(one.top.effect, START + np.arange(700))
+        for one in after
+    ]
+    days_of, known = np.arange(700), np.array([150, 400])
+    far = np.abs(np.subtract.outer(days_of, known)).min(axis=1) > 7
+    true = (days_of >= 150) + (days_of >= 400) * 1.0
+    assert np.abs(sum(shown) - true)[far].max() < 0.15
 
 
 @given(st.integers(0, 2**32 - 1))
