@@ -75,7 +75,13 @@ def finding_of(
             score.probability,
             limits.min_probability,
         ),
-        Check("gain", "min_rmse_reduction", gain, float(np.sqrt(floor)), unit="K"),
+        Check(
+            "gain",
+            "min_rmse_reduction",
+            gain,
+            float(np.sqrt(floor * score.acting)),
+            unit="K",
+        ),
     ]
     if verdict is Verdict.AMBIGUOUS:
         measurements = deciding_measurements([choice.members[n].effect for n in names])
@@ -269,7 +275,7 @@ def hints(
     ------
     Finding
     """
-    limits, least = case.criteria, float(np.sqrt(floor))
+    limits = case.criteria
     done = {name for finding in findings for name in finding.candidates}
     for name, row in sorted(rows.items(), key=lambda item: -item[1].gain):
         score = row.score
@@ -278,6 +284,7 @@ def hints(
         if score.probability < HALF:
             continue
         done |= {name, *row.ties}
+        least = float(np.sqrt(floor * score.acting))
         why = because(Reason.NOT_MATERIAL, least=least)
         check = Check("gain", "min_rmse_reduction", row.gain, least, unit="K")
         if check.passed:

@@ -326,6 +326,21 @@ class Design:
         weeks = np.arange(len(self.clusters))
         return (weeks % FOLDS == np.arange(FOLDS)[:, None]).astype(float)
 
+    def acting(self, columns: Sequence[Column]) -> float:
+        """
+        Share of the days on which some columns act.
+
+        It is the effective number of days (Kish, 1965), by their squares: 1 if they are
+        alike on all days.
+
+        Parameters
+        ----------
+        columns : sequence of int or Changed
+        """
+        places = [place_of(column) for column in columns]
+        squares = self.daily[:, places, places].sum(axis=1)
+        return float(squares.sum() ** 2 / (len(squares) * np.sum(squares**2)))
+
     @property
     def count(self) -> float:
         """Number of rows."""

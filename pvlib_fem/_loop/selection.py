@@ -53,6 +53,7 @@ class Score:
     seen: np.ndarray  # estimate by whitened columns
     null: np.ndarray  # covariance that it would have by accident
     freedom: float  # of that
+    acting: float = 1.0  # share of the record on which it acts
 
     @property
     def stderr(self) -> np.ndarray:
@@ -363,7 +364,7 @@ class Selection:
         for i in np.argsort(-bounds, kind="stable"):
             if bounds[i] < most:
                 break
-            if falls[i] < self.least:
+            if falls[i] < self.least * self.acting(others[i]):
                 continue
             score = self.score(others[i], given)
             if self.holds(score) and worth(others[i], score) > most:
@@ -383,7 +384,11 @@ class Selection:
     def holds(self, score: Score) -> bool:
         """Whether it is possible, there and material."""
         there = score.probability >= self.criteria.min_probability
-        return score.possible and there and score.fall >= self.least
+        return score.possible and there and score.fall >= self.least * score.acting
+
+    def acting(self, one: Candidate) -> float:
+        """Share of the record on which it acts: of days, if it is an event."""
+        return self.design.acting(one.columns) if one.effect.turns else 1.0
 
     def in_sample(self, one: Candidate, given: Sequence[Column]) -> float:
         """Fall of the mean square on the weeks that are fitted. [K²]"""
@@ -465,7 +470,8 @@ class Selection:
             keys = tuple(design.names[place_of(column)] for column in one.columns)
         gain = gain / design.count
         sizes = estimate, covariance
-        return Score(keys, gain, *sizes, there, fits, seen, null, freedom)
+        acting = self.acting(one)
+        return Score(keys, gain, *sizes, there, fits, seen, null, freedom, acting)
 
     def weighed(self, choice: Choice, others: Sequence[Choice]) -> Choice:
         """A choice with its rivals, by how much of its part each explains."""

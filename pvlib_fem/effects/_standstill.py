@@ -155,7 +155,7 @@ def find_standstill(
     day : array, shape (rows,)
         Of each row, from 1970-01-01.
     least : float
-        Least gain. [K]
+        Least gain on its days. [K]
 
     Returns
     -------
@@ -183,7 +183,9 @@ def find_standstill(
     best = rounded_argmax(falls)
     total, place = totals[best], places[best]
     part = days.sums(*(at_place(each, place) for each in (tangents, directed)))
-    if not (falls[best] > len(rest) * least**2 and part.reductions(first, last) > 0.0):
+    ends = np.append(days.first, len(rest))[[first, last]]
+    material = float(np.diff(ends)[0]) * least**2
+    if not (falls[best] > material and part.reductions(first, last) > 0.0):
         return None
     # largest of so many standard normal values by chance
     tried = len(days.dates) * len(lengths) * len(angles)

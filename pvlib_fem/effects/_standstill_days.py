@@ -15,7 +15,6 @@ import numpy as np
 from pvlib_fem._statistics.extremes import as_normal, rounded_argmax
 
 SIZES = (0.7, 1.3)  # shares: it stands as a whole, and the light is estimated
-POSSIBLE = (0.5, 1.5)  # shares beyond which it is something else
 SHORTEST = 2  # days: the size that one shows has to hold on another
 EVERY = 60  # days, up to which each length is tried
 LONGER = 1.1  # ratio of longer lengths
@@ -74,9 +73,8 @@ class Sums:
         """Fall of the sum of squares if it is from one day until another. [K²]"""
         there = self.between(first, last)
         size = ratio(there.score, there.response)
-        likely = np.clip(size, *SIZES)
-        most = 2.0 * likely * there.score - likely**2 * there.response
-        return np.where((size > POSSIBLE[0]) & (size < POSSIBLE[1]), most, 0.0)
+        possible = (size > SIZES[0]) & (size < SIZES[1])
+        return np.where(possible, size * there.score, 0.0)
 
 
 def ratio(one: np.ndarray, other: np.ndarray) -> np.ndarray:

@@ -223,6 +223,37 @@ def test_power_agrees_by_the_light_that_the_modules_miss():
     assert finding.verdict == "identified"
 
 
+def test_a_standstill_counts_by_its_own_days():
+    """Two clear days of a year: less than 0.15 K over the year, and several on them."""
+    data = tracking(Stuck("2023-09-18", "2023-09-21", 10.0), "tracker_stuck")
+    loop = fem.close_loop(data[USUAL], location=WHERE)
+    (finding,) = (f for f in loop.finding_objects if f.effect == "tracker_stuck")
+    assert finding.added and finding.gain < fem.Criteria().min_rmse_reduction
+    (gain,) = (c for c in finding.checks if c.criterion == "min_rmse_reduction")
+    days = (gain.threshold / fem.Criteria().min_rmse_reduction) ** 2 * 365
+    assert gain.passed and 1.0 < days < 3.0
+    assert dates_of(loop)[0] >= "2023-09-18" and dates_of(loop)[1] == "2023-09-21"
+
+
+@pytest.mark.parametrize("size, found", [(1.0, True), (0.55, False)])
+def test_a_standstill_stands_as_a_whole(size, found):
+    """Light that falls by half of what a standstill takes has another cause."""
+    random, days = np.random.default_rng(2), np.arange(400)
+    rows = np.repeat(days, 24)
+    hours = np.tile(np.arange(24), len(days))
+    light = np.maximum(np.sin((hours - 6) / 12 * np.pi), 0.0) * random.uniform(
+        0.3, 1.0, len(days)
+    ).repeat(24)
+    tangents = [light * (hours - 12 + turn) for turn in (-3.0, 0.0, 3.0)]
+    there = (rows >= 200) & (rows < 206)
+    rest = random.normal(0.0, 0.3, len(rows)) + size * there * tangents[1]
+    basis = np.zeros((len(rows), 0))
+    day = rows + hours / 24.0
+    angles = np.array([-10.0, 0.0, 10.0])
+    out = find_standstill(rest, tangents, light, angles, basis, day, 0.15)
+    assert (out is not None) == found
+
+
 EDGE = Stuck("2023-05-31", "2023-06-14", -40.0)  # begins in a test week
 
 
