@@ -305,11 +305,15 @@ class ChangeSums:
 
     def square_falls(self, parts: np.ndarray) -> np.ndarray:
         """Fall of the sum of squares by a column of such sums, with a possible sign."""
+        return parts[..., 0] * self.sizes(parts)
+
+    def sizes(self, parts: np.ndarray) -> np.ndarray:
+        """Size of a change along a column of such sums; 0 if its sign is impossible."""
         score, square, shared = parts[..., 0], parts[..., 1], parts[..., 2:]
         beyond = square - np.square(shared).sum(axis=-1)
         allowed = (score > 0) & (self.high > 0) | (score < 0) & (self.low < 0)
         good = allowed & (beyond > UNSEEN * np.maximum(square, 1e-12))
-        return np.where(good, score**2 / np.where(good, beyond, 1.0), 0.0)
+        return np.where(good, score / np.where(good, beyond, 1.0), 0.0)
 
     def best(
         self,
@@ -450,6 +454,60 @@ def first_days(
         date_text(days[min(good.max(), len(days) - 1)]),
     ]
     return effect.make(**{**dates, "between": between})
+
+
+def sizes_over_dates(
+    design: "Design",
+    change: "Changed",
+    given: Sequence["Column"],
+    side: int,
+    errors: float,
+) -> tuple[float, float]:
+    """
+    Least and largest size of a trend, averaged over its dates, by its own size.
+
+    A trend of half a record is much like one of all of it with half the slope. Each has
+    the probability of its likelihood; trends of the whole record, and of a part of it,
+    are as probable before. Between these sizes are 90 %.
+
+    Parameters
+    ----------
+    design, change, given, side, errors
+        See :func:`first_days`.
+
+    Returns
+    -------
+    tuple of float
+        1 and 1 for other changes, and for a trend between two dates or with resets.
+    """
+    dates, days = change.effect.settings, len(design.dates)
+    if not is_drift(change.effect) or "resets" in dates:
+        return 1.0, 1.0
+    first, last = 0, days
+    if "start" in dates:
+        first = int(np.searchsorted(design.dates, day_number(dates["start"])))
+    if "end" in dates:
+        last = int(np.searchsorted(design.dates, day_number(dates["end"])))
+    some = np.arange(side, days - side + 1)
+    if not len(some) or (first > 0 and last < days):
+        return 1.0, 1.0
+    sums = Scan.from_design(design, given, side).sums(change.place)
+    whole, zero = np.full(len(some), days), np.zeros(len(some), dtype=int)
+    parts = sums.increase(
+        np.concatenate([[first, 0], some, zero]),
+        np.concatenate([[last, days], whole, some]),
+    )
+    falls, sizes = sums.square_falls(parts), sums.sizes(parts)
+    if not falls[0] > 0.0:
+        return 1.0, 1.0
+    sure = min(errors, 1.0 / PROFILE_ERROR)
+    logs = 0.5 * sure**2 * falls[1:] / falls[0]
+    logs[1:] -= np.log(2.0 * len(some))
+    weights, ratios = np.exp(logs - logs.max()), sizes[1:] / sizes[0]
+    order = np.argsort(ratios)
+    share = np.cumsum(weights[order]) / weights.sum()
+    low, high = ratios[order[np.searchsorted(share, [0.05, 0.95])]]
+    return min(float(low), 1.0), max(float(high), 1.0)
 
 
 def day_weights(design: "Design", given: Sequence["Column"]) -> np.ndarray:

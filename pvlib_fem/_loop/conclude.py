@@ -162,19 +162,40 @@ def member_of(choice: "Choice", name: str, criteria: Criteria) -> Member:
     law, rows = relative_error(effect, criteria), effect.rows()
     # a record may not determine all coefficients of an effect
     values, errors = score.coefficients, score.errors
+    spread = choice.spreads.get(name, (1.0, 1.0))
     ranges = {
-        key: range_of(value, errors[key], law, rows[key])
+        key: range_of(value, errors[key], law, rows[key], spread)
         for key, value in values.items()
     }
     return Member(dict(effect.settings), values, errors, ranges)
 
 
 def range_of(
-    value: float, error: float, law: float, row: Parameter
+    value: float,
+    error: float,
+    law: float,
+    row: Parameter,
+    spread: tuple[float, float] = (1.0, 1.0),
 ) -> tuple[float, float]:
-    """A range that holds 90 %, within the bounds of the coefficient."""
+    """
+    A range that holds 90 %, within the bounds of the coefficient.
+
+    Parameters
+    ----------
+    value, error : float
+        Of the coefficient, in its unit.
+    law : float
+        Relative error of its law. [-]
+    row : Parameter
+        With its bounds.
+    spread : tuple of float
+        Least and largest value over the dates of a trend, relative. [-]
+    """
     half = NINETY * float(np.hypot(error, law * value))
-    return max(value - half, row.lower), min(value + half, row.upper)
+    low, high = sorted(value * one for one in spread)
+    low = value - float(np.hypot(half, value - low))
+    high = value + float(np.hypot(half, high - value))
+    return max(low, row.lower), min(high, row.upper)
 
 
 def in_the_model(
@@ -214,7 +235,8 @@ def in_the_model(
     for key, value in values.items():
         if key in fit.at_bound or not errors[key] > 0:
             continue
-        ranges[key] = range_of(value, errors[key], law, fit.model.parameters[key])
+        row, spread = fit.model.parameters[key], choice.spreads.get(finding.effect)
+        ranges[key] = range_of(value, errors[key], law, row, spread or (1.0, 1.0))
     return replace(finding, coefficients=values, stderr=errors, ranges=ranges)
 
 

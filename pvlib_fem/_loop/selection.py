@@ -11,6 +11,7 @@ from pvlib_fem._loop.change_dates import (
     dates_cost,
     first_days,
     number_of_dates,
+    sizes_over_dates,
 )
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.design import Column, Design, columns_of, place_of
@@ -61,6 +62,11 @@ class Score:
         return np.sqrt(np.diag(self.covariance))
 
     @property
+    def standard_errors(self) -> float:
+        """Those by which the first coefficient differs from zero."""
+        return float(np.abs(self.estimate[0]) / self.stderr[0])
+
+    @property
     def coefficients(self) -> dict[str, float]:
         """Coefficients by name."""
         return dict(zip(self.keys, map(float, self.estimate)))
@@ -80,6 +86,8 @@ class Choice:
     members: dict[str, Candidate] = field(default_factory=dict)
     scores: dict[str, Score] = field(default_factory=dict)
     weights: dict[str, float] = field(default_factory=dict)  # posterior among members
+    #: of members that are trends: least and largest size over their dates, relative
+    spreads: dict[str, tuple[float, float]] = field(default_factory=dict)
     #: the outside among them
     probabilities: dict[str, float] = field(default_factory=dict)
 
@@ -320,8 +328,8 @@ class Selection:
         one, score = choice.members[name], choice.scores[name]
         if not one.effect.sensor_fault:
             return one.effect
-        errors = float(np.abs(score.estimate[0]) / score.stderr[0])
         side = self.criteria.min_days_each_side
+        errors = score.standard_errors
         return first_days(self.design, one.change, given, side, errors)
 
     def given(self, choices: Iterable[Choice]) -> list[Column]:
@@ -489,10 +497,19 @@ class Selection:
             score = self.score(one, given)
             if score.possible and score.probability >= DOUBT:
                 members[one.name], parts[one.name] = one, score
-        score = choice.score
-        sure = float(np.abs(score.estimate[0]) / score.stderr[0])
+        sure = choice.score.standard_errors
         weights = self.posterior(members, given, top, min(sure, 1.0 / PROFILE_ERROR))
-        return replace(choice, members=members, scores=parts, weights=weights)
+        side = self.criteria.min_days_each_side
+        spreads = {
+            name: sizes_over_dates(
+                self.design, one.change, given, side, parts[name].standard_errors
+            )
+            for name, one in members.items()
+            if one.effect.sensor_fault
+        }
+        return replace(
+            choice, members=members, scores=parts, weights=weights, spreads=spreads
+        )
 
     def posterior(
         self,
@@ -564,8 +581,8 @@ class Selection:
 
 def worth(one: Candidate, score: Score) -> float:
     """What a candidate explains, less what its dates cost. [K²]"""
-    sure = float(np.abs(score.estimate[0]) / score.stderr[0])
-    return score.fall * worth_share(one, min(sure, 1.0 / PROFILE_ERROR))
+    sure = min(score.standard_errors, 1.0 / PROFILE_ERROR)
+    return score.fall * worth_share(one, sure)
 
 
 def worth_share(one: Candidate, sure: float) -> float:

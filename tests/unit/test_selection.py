@@ -8,7 +8,12 @@ from hypothesis import given, strategies as st
 
 from pvlib_fem import Criteria, close_loop, simulator
 from pvlib_fem._findings import OUTSIDE
-from pvlib_fem._loop.change_dates import Scan, first_days, simplest
+from pvlib_fem._loop.change_dates import (
+    Scan,
+    first_days,
+    simplest,
+    sizes_over_dates,
+)
 from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.design import Changed, Design, independent_columns
 from pvlib_fem._loop.dictionary import Candidate, dated_candidates
@@ -247,6 +252,38 @@ def test_the_best_trend_is_that_of_all_fits(seed):
     for a, b, fall in zip(first, last, sums.linear(first, last)):
         trend = np.where((days >= a) & (days < b), days - a + 0.5, 0.0)
         assert fall == pytest.approx(fall_by(trend), rel=1e-4)
+
+
+def spread_of(rest, days, hours, dates, errors):
+    """Sizes over the dates of a trend that has some dates, by its own size."""
+    made = offsets(rest, days, hours).design
+    change = Changed.from_effect(3, CHANGES["module_offset_drift"].dates(**dates))
+    low, high = sizes_over_dates(made, change, [1, 2], 21, errors)
+    fit = LeastSquares(made.by_week([1, 2, change]), 1)
+    size = float(fit.estimate[0] / made.scales([change])[0])
+    return low * size, high * size
+
+
+def test_half_a_trend_may_be_a_whole_one():
+    """1.6 times as fast for half as long, unless the dates are sure."""
+    random, (days, hours) = np.random.default_rng(4), clock(365)
+    rest = 2.0 * days / 365.25 + noise(random, len(days))
+    half = {"start": "2023-07-03"}
+    low, high = spread_of(rest, days, hours, half, 4.0)
+    assert low == pytest.approx(2.1, abs=0.1) and high == pytest.approx(3.4, abs=0.1)
+    half_of_it = 4.0 * np.maximum(days - 182, 0) / 365.25 + noise(random, len(days))
+    low, high = spread_of(half_of_it, days, hours, half, 50.0)
+    assert 2.8 < low < 4.0 < high < 5.0
+
+
+def test_other_changes_have_their_own_size_over_dates():
+    made = offsets(np.zeros(365 * 24), *clock(365)).design
+    for name, dates in {
+        "step": {"at": "2023-05-01"},
+        "drift": {"since": "2023-01-01", "resets": ("2023-05-01",)},
+    }.items():
+        change = Changed.from_effect(3, CHANGES[f"module_offset_{name}"].dates(**dates))
+        assert sizes_over_dates(made, change, [1, 2], 21, 5.0) == (1.0, 1.0)
 
 
 @pytest.mark.parametrize(
