@@ -8,12 +8,8 @@ from hypothesis import given, strategies as st
 
 from pvlib_fem import Criteria, close_loop, simulator
 from pvlib_fem._findings import OUTSIDE
-from pvlib_fem._loop.change_dates import (
-    Scan,
-    first_days,
-    simplest,
-    sizes_over_dates,
-)
+from pvlib_fem._loop.change_dates import Scan, first_days, sizes_over_dates
+from pvlib_fem._loop.change_sums import simplest
 from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.design import Changed, Design, independent_columns
 from pvlib_fem._loop.dictionary import Candidate, dated_candidates
