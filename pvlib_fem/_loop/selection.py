@@ -62,7 +62,7 @@ class Score:
 
     @property
     def standard_errors(self) -> float:
-        """Those by which the first coefficient differs from zero."""
+        """Ratio of the first coefficient to its standard error."""
         return float(np.abs(self.estimate[0]) / self.stderr[0])
 
     @property
