@@ -1,6 +1,6 @@
 """Findings: single effects, hints, and what was not seen."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -159,42 +159,79 @@ def credible_names(choice: "Choice", probability: float) -> list[str]:
 def member_of(choice: "Choice", name: str, criteria: Criteria) -> Member:
     """Coefficients and dates of a candidate, instead of the most probable one."""
     effect, score = choice.members[name].effect, choice.scores[name]
-    law, rows = relative_error(effect, criteria), effect.rows()
     # a record may not determine all coefficients of an effect
     values, errors = score.coefficients, score.errors
-    spread = choice.spreads.get(name, (1.0, 1.0))
     ranges = {
-        key: range_of(value, errors[key], law, rows[key], spread)
+        key: range_of(key, value, errors[key], choice, name, criteria)
         for key, value in values.items()
     }
     return Member(dict(effect.settings), values, errors, ranges)
 
 
 def range_of(
+    key: str,
     value: float,
     error: float,
-    law: float,
-    row: Parameter,
-    spread: tuple[float, float] = (1.0, 1.0),
+    choice: "Choice",
+    name: str,
+    criteria: Criteria,
 ) -> tuple[float, float]:
     """
-    A range that holds 90 %, within the bounds of the coefficient.
+    A range of a coefficient that holds 90 %, within its bounds.
 
     Parameters
     ----------
+    key : str
+        Name of the coefficient.
     value, error : float
-        Of the coefficient, in its unit.
-    law : float
-        Relative error of its law. [-]
-    row : Parameter
-        With its bounds.
-    spread : tuple of float
-        Least and largest value over the dates of a trend, relative. [-]
+        With its standard error, in its unit.
+    choice : Choice
+        In which its effect was found.
+    name : str
+        Of the effect.
+    criteria : Criteria
+        Relative errors of laws.
+
+    Returns
+    -------
+    tuple of float
+        With the errors of the fit and of the law, and the difference from generalised
+        least squares: of a model that is right, two estimates agree [1]_. The size of a
+        trend is also averaged over its dates.
+
+    References
+    ----------
+    .. [1] J. A. Hausman, "Specification tests in econometrics", Econometrica 46,
+       1251-1271, 1978. :doi:`10.2307/1913827`
     """
-    half = NINETY * float(np.hypot(error, law * value))
-    low, high = sorted(value * one for one in spread)
-    low = value - float(np.hypot(half, value - low))
-    high = value + float(np.hypot(half, high - value))
+    effect, score = choice.members[name].effect, choice.scores[name]
+    law = relative_error(effect, criteria)
+    other = dict(zip(score.keys, score.seen.tolist()))[key]
+    halves = NINETY * error, NINETY * law * value, other - value
+    ends = [value * one for one in choice.spreads.get(name, (1.0, 1.0))]
+    return range_around(value, halves, effect.rows()[key], ends)
+
+
+def range_around(
+    value: float, halves: Iterable[float], row: Parameter, ends: Iterable[float] = ()
+) -> tuple[float, float]:
+    """
+    A range around a value, within the bounds of a coefficient.
+
+    Parameters
+    ----------
+    value : float
+    halves : iterable of float
+        Independent half-widths.
+    row : Parameter
+        With the bounds.
+    ends : iterable of float
+        Other values that it may have.
+    """
+    ends = [value, *ends]
+    below, above = value - min(ends), max(ends) - value
+    low = value - float(np.linalg.norm([*halves, below]))
+    high = value + float(np.linalg.norm([*halves, above]))
     return max(low, row.lower), min(high, row.upper)
 
 
@@ -207,8 +244,6 @@ def in_the_model(
 ) -> Finding:
     """
     The finding with the coefficients of the last fit, and ranges that hold 90 %.
-
-    A range has the error of the fit and that of the law behind the coefficient.
 
     Parameters
     ----------
@@ -230,13 +265,11 @@ def in_the_model(
     """
     values = {key: fit.coefficients[key] for key in finding.coefficients}
     errors = {key: stderr[key] for key in finding.coefficients}
-    law = relative_error(choice.members[finding.effect].effect, criteria)
-    ranges = {}
-    for key, value in values.items():
-        if key in fit.at_bound or not errors[key] > 0:
-            continue
-        row, spread = fit.model.parameters[key], choice.spreads.get(finding.effect)
-        ranges[key] = range_of(value, errors[key], law, row, spread or (1.0, 1.0))
+    ranges = {
+        key: range_of(key, value, errors[key], choice, finding.effect, criteria)
+        for key, value in values.items()
+        if key not in fit.at_bound and errors[key] > 0
+    }
     return replace(finding, coefficients=values, stderr=errors, ranges=ranges)
 
 

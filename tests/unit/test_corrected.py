@@ -11,7 +11,7 @@ from test_instruments import DATES, dated
 import pvlib_fem as fem
 from pvlib_fem import datasets
 from pvlib_fem._findings import Finding, Verdict
-from pvlib_fem._loop.conclude import range_of, relative_error
+from pvlib_fem._loop.conclude import NINETY, range_around, relative_error
 from pvlib_fem._record.inputs import read
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
@@ -110,7 +110,7 @@ def named(fit, effect, loop):
         {key: value},
         {key: error},
         because(Reason.GAINED, gain=1.0),
-        ranges={key: range_of(value, error, law, row)},
+        ranges={key: range_around(value, [NINETY * error, NINETY * law * value], row)},
     )
 
 

@@ -11,6 +11,7 @@ from pvlib_fem._findings import OUTSIDE
 from pvlib_fem._loop.change_dates import Scan, first_days, sizes_over_dates
 from pvlib_fem._loop.change_sums import simplest
 from pvlib_fem._loop.close import Search
+from pvlib_fem._loop.conclude import range_around, range_of
 from pvlib_fem._loop.design import Changed, Design, independent_columns
 from pvlib_fem._loop.dictionary import Candidate, dated_candidates
 from pvlib_fem._loop.existence import probability_of_existence
@@ -29,6 +30,7 @@ from pvlib_fem._statistics.weekly_sums import (
     products,
 )
 from pvlib_fem.effects import CHANGES, EFFECTS, find
+from pvlib_fem.effects._effect import Parameter
 from pvlib_fem.effects._time_profiles import YEAR, day_number, weights_of
 
 START = 19_358  # 2023-01-01
@@ -280,6 +282,31 @@ def test_other_changes_have_their_own_size_over_dates():
     }.items():
         change = Changed.from_effect(3, CHANGES[f"module_offset_{name}"].dates(**dates))
         assert sizes_over_dates(made, change, [1, 2], 21, 5.0) == (1.0, 1.0)
+
+
+def test_a_range_has_independent_errors_and_other_values():
+    row = Parameter(0.0, -3.0, 3.0, "-")
+    low, high = range_around(1.0, [0.3, -0.4, 1.2], row, [0.0, 1.5])
+    assert low == pytest.approx(1.0 - np.hypot(1.3, 1.0))
+    assert high == pytest.approx(1.0 + np.hypot(1.3, 0.5))
+    assert range_around(-2.0, [1.5], row) == (-3.0, -0.5)
+
+
+def test_a_range_is_wider_where_two_estimates_differ():
+    """Of a model that is right, least squares with and without weights agree."""
+    random, (days, hours) = np.random.default_rng(3), clock(365)
+    rest = 2.0 * (days >= 180) + noise(random, len(days))
+    selection = offsets(rest, days, hours)
+    best = selection.weighed(selection.best([]), [])
+    key, name = "module_offset_step.change", best.top.name
+    assert name == "module_offset_step"
+    score = best.scores[name]
+    value, error = score.coefficients[key], score.errors[key]
+    low, high = range_of(key, value, error, best, name, CRITERIA)
+    assert low < 2.0 < high and high - low < 1.2
+    apart = replace(best, scores={name: replace(score, seen=score.seen - 1.0)})
+    low, high = range_of(key, value, error, apart, name, CRITERIA)
+    assert low < value - 1.0 < value + 1.0 < high
 
 
 @pytest.mark.parametrize(
