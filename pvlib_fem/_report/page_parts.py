@@ -109,7 +109,10 @@ def coefficients(
         "last from day to day."
     )
     if ranges:
-        words += " A range holds 90 %: it adds the error of the effect's law."
+        words += (
+            " A range of 90 % adds the error of the effect's law, and the difference "
+            "of two estimates."
+        )
     else:
         del head[4]
         rows = [(*row[:4], *row[5:]) for row in rows]
