@@ -339,6 +339,8 @@ class Design:
         """
         places = [place_of(column) for column in columns]
         squares = self.daily[:, places, places].sum(axis=1)
+        if not squares.any():
+            return 1.0
         return float(squares.sum() ** 2 / (len(squares) * np.sum(squares**2)))
 
     @property

@@ -61,7 +61,7 @@ class Score:
         return np.sqrt(np.diag(self.covariance))
 
     @property
-    def standard_errors(self) -> float:
+    def z_score(self) -> float:
         """Ratio of the first coefficient to its standard error."""
         return float(np.abs(self.estimate[0]) / self.stderr[0])
 
@@ -328,7 +328,7 @@ class Selection:
         if not one.effect.sensor_fault:
             return one.effect
         side = self.criteria.min_days_each_side
-        errors = score.standard_errors
+        errors = score.z_score
         return first_days(self.design, one.change, given, side, errors)
 
     def given(self, choices: Iterable[Choice]) -> list[Column]:
@@ -496,12 +496,12 @@ class Selection:
             score = self.score(one, given)
             if score.possible and score.probability >= DOUBT:
                 members[one.name], parts[one.name] = one, score
-        sure = choice.score.standard_errors
+        sure = choice.score.z_score
         weights = self.posterior(members, given, top, min(sure, 1.0 / PROFILE_ERROR))
         side = self.criteria.min_days_each_side
         spreads = {
             name: sizes_over_dates(
-                self.design, one.change, given, side, parts[name].standard_errors
+                self.design, one.change, given, side, parts[name].z_score
             )
             for name, one in members.items()
             if one.effect.sensor_fault
@@ -580,7 +580,7 @@ class Selection:
 
 def worth(one: Candidate, score: Score) -> float:
     """What a candidate explains, less what its dates cost. [K²]"""
-    sure = min(score.standard_errors, 1.0 / PROFILE_ERROR)
+    sure = min(score.z_score, 1.0 / PROFILE_ERROR)
     return score.fall * worth_share(one, sure)
 
 
