@@ -36,7 +36,19 @@ class Span:
 
 
 def simplest(spans: Sequence[Span], days: int) -> Span:
-    """The span that explains most, less what its dates cost."""
+    """
+    The span that explains most, less what its dates cost.
+
+    Parameters
+    ----------
+    spans : sequence of Span
+    days : int
+        Of the record.
+
+    Returns
+    -------
+    Span
+    """
     most, sure = max(max(one.fall for one in spans), 1e-12), 1.0 / PROFILE_ERROR
 
     def worth(one: Span) -> float:

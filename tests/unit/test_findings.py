@@ -132,10 +132,13 @@ def test_a_candidate_has_the_coefficients_that_the_record_determines():
     """One hour of snow determines one of its effect's coefficients."""
     effect = find("wind_direction")
     key = "wind_direction.north"
-    score = SimpleNamespace(coefficients={key: -1.0}, errors={key: 0.1})
+    score = SimpleNamespace(
+        keys=(key,), coefficients={key: -1.0}, errors={key: 0.1}, seen=np.array([-1.1])
+    )
     choice = SimpleNamespace(
         members={effect.name: SimpleNamespace(effect=effect)},
         scores={effect.name: score},
+        spreads={},
     )
     member = member_of(choice, effect.name, Criteria())
     assert member.coefficients == {key: -1.0} and member.stderr == {key: 0.1}
