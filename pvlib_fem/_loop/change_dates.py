@@ -149,6 +149,51 @@ class Scan:
             return date_text(dates[0] if place == 0 else dates[-1] + 1)
         return date_text((dates[place - 1] + 1 + dates[place]) // 2)
 
+    def sizes_over_dates(self, change: "Changed", errors: float) -> tuple[float, float]:
+        """
+        Least and largest size of a trend, averaged over its dates, by its own size.
+
+        A trend of half a record is much like one of all of it with half the slope. Each
+        has the probability of its likelihood; trends of the whole record, and of a part
+        of it, are as probable before. Between these sizes are 90 %.
+
+        Parameters
+        ----------
+        change : Changed
+            With its dates.
+        errors : float
+            Standard errors by which its size differs from nothing.
+
+        Returns
+        -------
+        tuple of float
+            1 and 1 for other changes, and for a trend between two dates or with resets.
+        """
+        days = len(self.design.dates)
+        first, last = places_in(self.design.dates, change.effect)
+        some = np.arange(self.side, days - self.side + 1)
+        between = first > 0 and last < days
+        plain = is_drift(change.effect) and "resets" not in change.effect.settings
+        if not plain or between or not len(some):
+            return 1.0, 1.0
+        sums = self.sums(change.place)
+        whole, zero = np.full(len(some), days), np.zeros(len(some), dtype=int)
+        parts = sums.increase(
+            np.concatenate([[first, 0], some, zero]),
+            np.concatenate([[last, days], whole, some]),
+        )
+        falls, sizes = sums.square_falls(parts), sums.sizes(parts)
+        if not falls[0] > 0.0:
+            return 1.0, 1.0
+        sure = min(errors, 1.0 / PROFILE_ERROR)
+        logs = 0.5 * sure**2 * falls[1:] / falls[0]
+        logs[1:] -= np.log(2.0 * len(some))
+        weights, ratios = np.exp(logs - logs.max()), sizes[1:] / sizes[0]
+        order = np.argsort(ratios)
+        share = np.cumsum(weights[order]) / weights.sum()
+        low, high = ratios[order[np.searchsorted(share, [0.05, 0.95])]]
+        return min(float(low), 1.0), max(float(high), 1.0)
+
 
 def first_days(
     design: "Design",
@@ -177,17 +222,13 @@ def first_days(
     Effect
     """
     effect, dates, days = change.effect, change.effect.settings, design.dates
-    begin = dates.get("at") or dates.get("start")
-    if begin is None:
+    if not {"at", "start"} & {*dates}:
         return effect
     sums = Scan.from_design(design, given, side).sums(change.place)
     falls_of = sums.linear if is_drift(effect) else sums.constant
-    last = len(days)
-    if "end" in dates:
-        last = int(np.searchsorted(days, day_number(dates["end"])))
+    best, last = places_in(days, effect)
     starts = np.arange(1, max(last, 2))
     falls = falls_of(starts, np.full(len(starts), last))
-    best = int(np.searchsorted(days, day_number(begin)))
     most = max(falls[min(max(best - 1, 0), len(falls) - 1)], 1e-12)
     # the difference to the best date's part, in standard errors of that part
     worse = (1.0 - falls / most) * min(errors, MOST_SURE) ** 2
@@ -200,58 +241,13 @@ def first_days(
     return effect.make(**{**dates, "between": between})
 
 
-def sizes_over_dates(
-    design: "Design",
-    change: "Changed",
-    given: Sequence["Column"],
-    side: int,
-    errors: float,
-) -> tuple[float, float]:
-    """
-    Least and largest size of a trend, averaged over its dates, by its own size.
-
-    A trend of half a record is much like one of all of it with half the slope. Each has
-    the probability of its likelihood; trends of the whole record, and of a part of it,
-    are as probable before. Between these sizes are 90 %.
-
-    Parameters
-    ----------
-    design, change, given, side, errors
-        See :func:`first_days`.
-
-    Returns
-    -------
-    tuple of float
-        1 and 1 for other changes, and for a trend between two dates or with resets.
-    """
-    dates, days = change.effect.settings, len(design.dates)
-    if not is_drift(change.effect) or "resets" in dates:
-        return 1.0, 1.0
-    first, last = 0, days
-    if "start" in dates:
-        first = int(np.searchsorted(design.dates, day_number(dates["start"])))
-    if "end" in dates:
-        last = int(np.searchsorted(design.dates, day_number(dates["end"])))
-    some = np.arange(side, days - side + 1)
-    if not len(some) or (first > 0 and last < days):
-        return 1.0, 1.0
-    sums = Scan.from_design(design, given, side).sums(change.place)
-    whole, zero = np.full(len(some), days), np.zeros(len(some), dtype=int)
-    parts = sums.increase(
-        np.concatenate([[first, 0], some, zero]),
-        np.concatenate([[last, days], whole, some]),
-    )
-    falls, sizes = sums.square_falls(parts), sums.sizes(parts)
-    if not falls[0] > 0.0:
-        return 1.0, 1.0
-    sure = min(errors, 1.0 / PROFILE_ERROR)
-    logs = 0.5 * sure**2 * falls[1:] / falls[0]
-    logs[1:] -= np.log(2.0 * len(some))
-    weights, ratios = np.exp(logs - logs.max()), sizes[1:] / sizes[0]
-    order = np.argsort(ratios)
-    share = np.cumsum(weights[order]) / weights.sum()
-    low, high = ratios[order[np.searchsorted(share, [0.05, 0.95])]]
-    return min(float(low), 1.0), max(float(high), 1.0)
+def places_in(days: np.ndarray, effect: Effect) -> tuple[int, int]:
+    """Places among some days of the first day of a change, and of that after it."""
+    dates = effect.settings
+    begin, end = dates.get("at") or dates.get("start"), dates.get("end")
+    first = 0 if begin is None else int(np.searchsorted(days, day_number(begin)))
+    last = len(days) if end is None else int(np.searchsorted(days, day_number(end)))
+    return first, last
 
 
 def day_weights(design: "Design", given: Sequence["Column"]) -> np.ndarray:

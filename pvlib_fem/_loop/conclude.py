@@ -208,7 +208,7 @@ def range_of(
     law = relative_error(effect, criteria)
     other = dict(zip(score.keys, score.seen.tolist()))[key]
     halves = NINETY * error, NINETY * law * value, other - value
-    ends = [value * one for one in choice.spreads.get(name, (1.0, 1.0))]
+    ends = [value * one for one in choice.spreads.get(name, ())]
     return range_around(value, halves, effect.rows()[key], ends)
 
 

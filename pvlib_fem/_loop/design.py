@@ -21,6 +21,7 @@ from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,
     coefficients_from,
+    effective_number,
     products,
     with_ridge,
 )
@@ -330,8 +331,7 @@ class Design:
         """
         Share of the days on which some columns act.
 
-        It is the effective number of days (Kish, 1965), by their squares: 1 if they are
-        alike on all days.
+        It is the effective number of days, by their squares: 1 if all are alike.
 
         Parameters
         ----------
@@ -341,7 +341,7 @@ class Design:
         squares = self.daily[:, places, places].sum(axis=1)
         if not squares.any():
             return 1.0
-        return float(squares.sum() ** 2 / (len(squares) * np.sum(squares**2)))
+        return effective_number(squares) / len(squares)
 
     @property
     def count(self) -> float:

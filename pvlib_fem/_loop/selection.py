@@ -7,9 +7,9 @@ from functools import cached_property
 import numpy as np
 
 from pvlib_fem._loop.change_dates import (
+    Scan,
     first_days,
     number_of_dates,
-    sizes_over_dates,
 )
 from pvlib_fem._loop.change_sums import PROFILE_ERROR, dates_cost
 from pvlib_fem._loop.criteria import Criteria
@@ -498,17 +498,21 @@ class Selection:
                 members[one.name], parts[one.name] = one, score
         sure = choice.score.z_score
         weights = self.posterior(members, given, top, min(sure, 1.0 / PROFILE_ERROR))
-        side = self.criteria.min_days_each_side
-        spreads = {
-            name: sizes_over_dates(
-                self.design, one.change, given, side, parts[name].z_score
-            )
-            for name, one in members.items()
-            if one.effect.sensor_fault
+        choice = replace(choice, members=members, scores=parts, weights=weights)
+        return replace(choice, spreads=self.spreads(choice, given))
+
+    def spreads(
+        self, choice: Choice, given: Sequence[Column]
+    ) -> dict[str, tuple[float, float]]:
+        """Least and largest size over its dates of each member that has some."""
+        faults = [one for one in choice.members.values() if one.effect.sensor_fault]
+        if not faults:
+            return {}
+        scan = Scan.from_design(self.design, given, self.criteria.min_days_each_side)
+        return {
+            one.name: scan.sizes_over_dates(one.change, choice.scores[one.name].z_score)
+            for one in faults
         }
-        return replace(
-            choice, members=members, scores=parts, weights=weights, spreads=spreads
-        )
 
     def posterior(
         self,

@@ -39,6 +39,23 @@ def products(cells: np.ndarray, rows: np.ndarray, ends: np.ndarray) -> np.ndarra
     return sums
 
 
+def effective_number(weights: np.ndarray) -> float:
+    """
+    Effective number of draws with some weights (Kish, 1965).
+
+    Parameters
+    ----------
+    weights : array, shape (draws,)
+        Such as squares of each week, of which a few may have nearly all.
+
+    Returns
+    -------
+    float
+        The number of draws if they are alike; 0 if all are 0.
+    """
+    return float(weights.sum() ** 2 / max((weights**2).sum(), 1e-300))
+
+
 @dataclass(frozen=True, eq=False)
 class LeastSquares:
     """
@@ -103,8 +120,7 @@ class LeastSquares:
     @cached_property
     def freedom(self) -> float:
         """Effective number of weeks that determine the estimate, minus one."""
-        many = self.weights.sum() ** 2 / max((self.weights**2).sum(), 1e-300)
-        return max(many - 1.0, 1.0)
+        return max(effective_number(self.weights) - 1.0, 1.0)
 
     def by_all_weeks(self) -> tuple[np.ndarray, float]:
         """

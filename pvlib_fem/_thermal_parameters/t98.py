@@ -9,6 +9,7 @@ from scipy.stats import t as student
 
 from pvlib_fem._record.column_names import with_aliases
 from pvlib_fem._statistics.clusters import calendar_weeks
+from pvlib_fem._statistics.weekly_sums import effective_number
 from pvlib_fem._thermal_parameters.given_record import Measured
 from pvlib_fem._thermal_parameters.parameter_rows import LEVEL, Row
 from pvlib_fem._thermal_parameters.steady_parameters import (
@@ -115,9 +116,9 @@ def share_error(above: np.ndarray, dates: np.ndarray) -> tuple[float, float]:
     squares *= len(weeks) / max(len(weeks) - rank, 1)
     if not squares.sum() > 0.0:
         return np.nan, np.nan
-    # hot hours are in a few weeks; these are the effective number of draws
-    draws = squares.sum() ** 2 / (squares**2).sum()
-    return float(np.sqrt(squares.sum()) / rows.sum()), float(draws)
+    # hot hours are in a few weeks
+    draws = effective_number(squares)
+    return float(np.sqrt(squares.sum()) / rows.sum()), draws
 
 
 def whole_years(measured: Measured, module: pd.Series, dates: np.ndarray) -> list:

@@ -183,8 +183,8 @@ def find_standstill(
     best = rounded_argmax(falls)
     total, place = totals[best], places[best]
     part = days.sums(*(at_place(each, place) for each in (tangents, directed)))
-    ends = np.append(days.first, len(rest))[[first, last]]
-    material = float(np.diff(ends)[0]) * least**2
+    begins = np.append(days.first, len(rest))  # row of each day, and of none after
+    material = float(begins[last] - begins[first]) * least**2
     if not (falls[best] > material and part.reductions(first, last) > 0.0):
         return None
     # largest of so many standard normal values by chance

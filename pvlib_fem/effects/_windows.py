@@ -15,6 +15,7 @@ import numpy as np
 
 from pvlib_fem._statistics.extremes import ALIKE, as_normal, rounded_argmax
 from pvlib_fem._statistics.leastsquares import products
+from pvlib_fem._statistics.weekly_sums import effective_number
 
 UNSEEN = 1e-6  # of a column's square; a smaller independent part counts as zero
 BLOCK = (5.0, 10.0)  # ° of elevation and azimuth of the rectangle that starts a search
@@ -321,6 +322,5 @@ def certainty(
     errors = abs(column @ rest) / max(np.sqrt(scores @ scores), 1e-300)
     if not few:
         return errors
-    squares = np.bincount(week, column**2)
-    draws = squares.sum() ** 2 / max(squares @ squares, 1e-300)
+    draws = effective_number(np.bincount(week, column**2))
     return as_normal(errors, max(draws - 1.0, 1.0))

@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 
 from pvlib_fem import Criteria, close_loop, simulator
 from pvlib_fem._findings import OUTSIDE
-from pvlib_fem._loop.change_dates import Scan, first_days, sizes_over_dates
+from pvlib_fem._loop.change_dates import Scan, first_days
 from pvlib_fem._loop.change_sums import simplest
 from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.conclude import range_around, range_of
@@ -256,7 +256,8 @@ def spread_of(rest, days, hours, dates, errors):
     """Sizes over the dates of a trend that has some dates, by its own size."""
     made = offsets(rest, days, hours).design
     change = Changed.from_effect(3, CHANGES["module_offset_drift"].dates(**dates))
-    low, high = sizes_over_dates(made, change, [1, 2], 21, errors)
+    scan = Scan.from_design(made, [1, 2], 21)
+    low, high = scan.sizes_over_dates(change, errors)
     fit = LeastSquares(made.by_week([1, 2, change]), 1)
     size = float(fit.estimate[0] / made.scales([change])[0])
     return low * size, high * size
@@ -281,7 +282,8 @@ def test_other_changes_have_their_own_size_over_dates():
         "drift": {"since": "2023-01-01", "resets": ("2023-05-01",)},
     }.items():
         change = Changed.from_effect(3, CHANGES[f"module_offset_{name}"].dates(**dates))
-        assert sizes_over_dates(made, change, [1, 2], 21, 5.0) == (1.0, 1.0)
+        scan = Scan.from_design(made, [1, 2], 21)
+        assert scan.sizes_over_dates(change, 5.0) == (1.0, 1.0)
 
 
 def test_a_range_has_independent_errors_and_other_values():
