@@ -8,7 +8,6 @@ import numpy as np
 
 from pvlib_fem._loop.change_sums import (
     GRID,
-    PROFILE_ERROR,
     SPARSE,
     ChangeSums,
     Span,
@@ -185,7 +184,7 @@ class Scan:
         falls, sizes = sums.square_falls(parts), sums.sizes(parts)
         if not falls[0] > 0.0:
             return 1.0, 1.0
-        sure = min(errors, 1.0 / PROFILE_ERROR)
+        sure = min(errors, MOST_SURE)
         logs = 0.5 * sure**2 * falls[1:] / falls[0]
         logs[1:] -= np.log(2.0 * len(some))
         weights, ratios = np.exp(logs - logs.max()), sizes[1:] / sizes[0]
