@@ -270,9 +270,13 @@ def test_half_a_trend_may_be_a_whole_one():
     half = {"start": "2023-07-03"}
     low, high = spread_of(rest, days, hours, half, 4.0)
     assert low == pytest.approx(2.1, abs=0.1) and high == pytest.approx(3.4, abs=0.1)
-    half_of_it = 4.0 * np.maximum(days - 182, 0) / 365.25 + noise(random, len(days))
-    low, high = spread_of(half_of_it, days, hours, half, 50.0)
-    assert 2.8 < low < 4.0 < high < 5.0
+    random = np.random.default_rng(5)
+    quarter = 8.0 * np.maximum(days - 274, 0) / 365.25 + noise(random, len(days))
+    start = {"start": "2023-10-03"}
+    low, high = spread_of(quarter, days, hours, start, 50.0)
+    assert 3.5 < low < 8.0 < high < 13.0
+    low, high = spread_of(quarter, days, hours, start, 4.0)
+    assert low < 2.0 and high > 8.0
 
 
 def test_other_changes_have_their_own_size_over_dates():
