@@ -10,6 +10,7 @@ MAGNUS = 17.62, 243.12  # constants of vapour pressure over water: -, °C
 #: among two faces that lose heat to the air, with a fifth by radiation [K/hPa]
 LATENT = 0.6
 NEWTON = 6  # steps, to an error far below a thousandth: the balance is convex
+DAY = 86400.0  # s
 SOAKED = 5.0  # the module is fully wet if the smoothed rain times this exceeds 1
 
 
@@ -101,6 +102,7 @@ def days_since_rain(
     cleaning: float = 1.0,
     within: float = 3.0,
     dirtiest: float = 60.0,
+    grace: float = 0.0,
 ) -> np.ndarray:
     """
     Time since rain cleaned the module, or the record began [1]_ [2]_. [days]
@@ -120,6 +122,9 @@ def days_since_rain(
         Duration in which it falls. [h]
     dirtiest : float, default 60
         Time after which soiling is constant. [days]
+    grace : float, default 0
+        Time after a rain that cleaned, in which damp ground gives no dust; 14 days by
+        Kimber et al. It is not counted. [days]
 
     Returns
     -------
@@ -141,8 +146,10 @@ def days_since_rain(
     fallen = np.cumsum(rain * hours)
     shower = fallen - np.interp(seconds - within * HOUR, seconds, fallen, left=0.0)
     cleans = (rain > 0) & (shower >= cleaning)
-    last = np.maximum.accumulate(np.where(cleans, seconds, seconds[0]))
-    return np.minimum((seconds - last) / 86400.0, dirtiest)
+    # a record begins without a rain, and so without its days of grace
+    start = seconds[0] - grace * DAY
+    last = np.maximum.accumulate(np.where(cleans, seconds, start))
+    return np.clip((seconds - last) / DAY - grace, 0.0, dirtiest)
 
 
 def snow_cover(

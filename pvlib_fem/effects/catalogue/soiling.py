@@ -35,14 +35,19 @@ def terms(
 
 
 def soiling_by_rain(
-    cleaning: float = 1.0, within: float = 3.0, dirtiest: float = 60.0
+    cleaning: float = 1.0,
+    within: float = 3.0,
+    dirtiest: float = 60.0,
+    grace: float = 0.0,
 ) -> Effect:
     """
     The effect of soiling that ``cleaning`` mm of rain ``within`` hours wash off.
 
-    After ``dirtiest`` days soiling is constant. Kimber's values are 6 mm in 24 h.
+    It begins ``grace`` days after that rain, and is constant ``dirtiest`` days later.
+    Kimber's values are 6 mm in 24 h, and 14 days of grace.
     """
     given = {"cleaning": cleaning, "within": within, "dirtiest": dirtiest}
+    given["grace"] = grace
     return replace(EFFECT, scan=None, scanned_from=None, make=None).made(**given)
 
 
@@ -57,19 +62,30 @@ def every_rain(
 def scan(
     rest: np.ndarray, tangents: dict, columns: dict, weeks: np.ndarray, least: float
 ) -> Effect:
-    """The effect with the rain threshold whose soiling fits the residual best."""
-    even = tangents["soiling.even"]
-    gathered = [tangents[f"soiling.per_day_{i}"] for i in range(len(RAINS))]
-    alike = []
-    for one in gathered:
-        # constant soiling is in the coefficients, and no longer in the residual
-        one = one - (one @ even) / (even @ even) * even
-        alike.append((rest @ one) ** 2 / (one @ one) if one.any() else 0.0)
-    return soiling_by_rain(*RAINS[int(np.argmax(alike))])
+    """The effect with the rain that cleans whose soiling fits the residual best."""
+    keys = [f"soiling.per_day_{i}" for i in range(len(RAINS))]
+    gathered = np.column_stack([tangents[key] for key in keys])
+    # constant soiling and the fitted coefficients are no longer in the residual
+    others = np.column_stack([c for key, c in tangents.items() if key not in keys])
+    others = others / (np.linalg.norm(others, axis=0) + TINY)
+    shared = np.linalg.lstsq(others.T @ others, others.T @ gathered, rcond=None)[0]
+    gathered = gathered - others @ shared
+    squares = np.square(gathered).sum(axis=0)
+    explained = (rest @ gathered) ** 2 / (squares + TINY)
+    return soiling_by_rain(**RAINS[int(np.argmax(explained))])
 
 
-#: rain that may clean [mm] and its duration [h]: a shower, and Kimber's day
-RAINS = ((1.0, 3.0), (3.0, 24.0), (6.0, 24.0))
+#: amounts of rain that may clean [mm]
+AMOUNTS = (1.0, 2.0, 3.0, 4.5, 6.0, 8.0)
+#: hours in which it falls, and days after it without dust: the hour of Coello and
+#: Boyle, a shower, and the day of Kimber et al., also with their days of grace
+SPANS = ((1.0, 0.0), (6.0, 0.0), (24.0, 0.0), (24.0, 14.0))
+RAINS = tuple(
+    {"cleaning": amount, "within": within, "grace": grace}
+    for within, grace in SPANS
+    for amount in AMOUNTS
+)
+TINY = 1e-12  # where it never rains, soiling has no response
 PER_DAY = Parameter(0.0, -0.01, 0.01, "1/day")
 EFFECT = Effect(
     "soiling",
@@ -93,7 +109,7 @@ EFFECT = Effect(
         | {f"per_day_{i}": PER_DAY for i in range(len(RAINS))},
         columns=(
             "poa_global",
-            *(Driver("days_since_rain", cleaning=c, within=h) for c, h in RAINS),
+            *(Driver("days_since_rain", **rain) for rain in RAINS),
         ),
     ),
 )
