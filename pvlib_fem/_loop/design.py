@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from pvlib_fem._record.column_names import COLUMNS, GEOMETRY
+from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, is_power
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.axes import Axis, axes, calendar_of
 from pvlib_fem._statistics.clusters import calendar_weeks
@@ -25,6 +25,7 @@ from pvlib_fem._statistics.weekly_sums import (
     products,
     with_ridge,
 )
+from pvlib_fem.drivers import derive_drivers, is_derived, is_modelled, needed_for
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import weights_of
 
@@ -127,6 +128,8 @@ class Design:
         Changes whose dates are to be found.
     places : dict of array
         Mean of each driver in each cell, and the clock and calendar of the cells.
+    derived : dict of array
+        Mean in each cell of what effects derive from measured columns of their own.
     """
 
     names: tuple[str, ...]
@@ -140,6 +143,7 @@ class Design:
     sensor_faults: dict[str, int]
     changing: tuple[Effect, ...]
     places: dict[str, np.ndarray] = field(repr=False)
+    derived: dict[str, np.ndarray] = field(default_factory=dict, repr=False)
     noise: tuple[Table, ...] = ()  # random effects by which the cells are whitened
     #: whether each day is a draw of the weather, and not a week
     daily_draws: bool = False
@@ -222,6 +226,12 @@ class Design:
             sensor_faults={n: order[c] for n, c in sensor_faults.items()},
             changing=tuple(effect for effect, _ in evidence.changing),
             places=places,
+            derived={
+                name: means(values)
+                for name, values in derived_of(
+                    record, evidence.rows, effects.values()
+                ).items()
+            },
         )
 
     @classmethod
@@ -616,6 +626,27 @@ def drivers_of(
     }
     columns = {name: record[name][rows] for name in sorted(names)}
     return {name: np.nan_to_num(column) for name, column in columns.items()}
+
+
+def derived_of(
+    record: Record, rows: np.ndarray, effects: Iterable[Effect]
+) -> dict[str, np.ndarray]:
+    """What effects derive from measured columns of their own, at some rows."""
+    names = dict.fromkeys(
+        name
+        for effect in effects
+        for name in effect.drivers
+        if is_derived(name) and not is_modelled([name]) and follows_own(name)
+    )
+    inputs = derive_drivers(record.inputs, [*names])
+    return {name: np.nan_to_num(inputs[name][rows]) for name in names}
+
+
+def follows_own(name: str) -> bool:
+    """Whether a driver has measured columns beyond the usual inputs and the sun."""
+    own = {*needed_for([name])} - {*COLUMNS[:3], *GEOMETRY}
+    # power follows irradiance, and so does what is derived from it
+    return bool(own) and not any(map(is_power, own))
 
 
 def columns_of(design: Design, effect: Effect) -> tuple[Column, ...]:

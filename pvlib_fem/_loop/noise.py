@@ -157,6 +157,8 @@ def law_misfits(
     else:
         mine = own_columns(one.effect)
         axes = [axis for axis in design.axes if axis.column in mine]
+        driven = [n for n in one.effect.drivers if n in design.derived]
+        axes += filter(None, (sorted_by("", design.derived[n]) for n in driven))
         if mine:
             columns = (design.values(column) for column in one.columns)
             axes += filter(None, (sorted_by("", column) for column in columns))

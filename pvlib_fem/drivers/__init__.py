@@ -8,6 +8,7 @@ from pvlib_fem.drivers._derived import (  # noqa: F401  for other packages
     constants,
     derive_drivers,
     drivers_with_memory,
+    is_derived,
     is_modelled,
     lost_without,
     needed_for,

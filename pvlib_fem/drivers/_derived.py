@@ -227,6 +227,17 @@ def made_of(name: str) -> tuple[list, Callable, dict]:
 
 
 def is_derived(name: str) -> bool:
+    """
+    Whether a driver is computed from measured columns.
+
+    Parameters
+    ----------
+    name : str or Driver
+
+    Returns
+    -------
+    bool
+    """
     return getattr(name, "name", name) in DERIVED
 
 

@@ -444,6 +444,36 @@ def test_what_stands_for_an_unknown_schedule_is_outside():
     assert choice.probabilities[OUTSIDE] > 0.5
 
 
+@pytest.mark.parametrize("dust", [True, False])
+def test_a_law_has_no_residual_along_what_it_derives(dust):
+    """Dust gathers for as long as no rain falls; ground that is wet dries in a day."""
+    random, (days, hours) = np.random.default_rng(6), clock(300)
+    rains = np.flatnonzero(random.random(300) < 0.15)
+    last = np.maximum.accumulate(
+        np.where(np.isin(np.arange(300), rains), range(300), 0)
+    )
+    dry = days - last[days] + hours / 24.0
+    clouds = random.uniform(0.05, 1.0, len(days))
+    sun = clouds * np.maximum(np.sin((hours - 6) * np.pi / 12), 0.0)
+    law = dry if dust else -12.0 * np.exp(-dry)
+    own = {"soiling.per_day": 100.0 * sun * dry}  # K per share of light a day
+    columns = {"one": np.ones(len(days)), "even": sun} | own
+    rest = 0.5 * sun * law + noise(random, len(days))
+    made = design(rest, columns, days, hours, own=["soiling"])
+    made = replace(made, derived={"days_since_rain": dry})
+    selection, base = Selection(made, CRITERIA), [*made.base]
+    (one,) = (c for c in selection.candidates(base) if c.name == "soiling")
+    score = selection.score(one, base)
+    assert score.probability > 0.95
+    misfit = max(law_misfits(made, one, base, score.fall))
+    choice = selection.weighed(Choice(one, score), [])
+    outside = with_outside(made, choice, base, CRITERIA).probabilities[OUTSIDE]
+    if dust:
+        assert misfit < 0.2 and outside < 0.1
+    else:
+        assert misfit > 0.7 and outside > 0.5
+
+
 @pytest.mark.parametrize("hours_of_day", [(0, 24), (20, 24)])
 def test_a_sensor_that_has_changed_does_so_at_every_hour(hours_of_day):
     """An offset of 50 days; heat of the evenings of these days is no offset."""
