@@ -297,7 +297,12 @@ def soiling(effect: Effect, numbers: Numbers) -> Clause:
     estimate["unit"] = "%/day"
     sensor = estimate["value"] > 0
     size = f"{with_error(abs(estimate['value']), estimate['error'])} %"
-    rest = f"another {size} by soiling with each day without rain"
+    known = effect.constants
+    rain = f"a rain of {known['cleaning']:g} mm in {known['within']:g} h"
+    each = f"with each day since {rain}"
+    if known["grace"]:
+        each = f"each day, from {known['grace']:g} days after {rain} on"
+    rest = f"another {size} by soiling {each}"
     if sensor:
         device, words = "irradiance sensor", f"the irradiance sensor loses {rest}"
     else:

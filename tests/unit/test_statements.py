@@ -263,6 +263,31 @@ def test_every_effect_has_words(name):
     assert clause.device and clause.words and "{" not in clause.words
 
 
+@pytest.mark.parametrize(
+    ("size", "grace", "words"),
+    [
+        (
+            0.003,
+            0.0,
+            "the irradiance sensor loses another 0.300 ± 0.010 % by soiling "
+            "with each day since a rain of 6 mm in 24 h",
+        ),
+        (
+            -0.003,
+            14.0,
+            "the modules lose another 0.300 ± 0.010 % by soiling each day, "
+            "from 14 days after a rain of 6 mm in 24 h on",
+        ),
+    ],
+)
+def test_soiling_says_which_rain_cleans(size, grace, words):
+    rain = {"cleaning": 6.0, "within": 24.0, "grace": grace}
+    effect, key = find({"name": "soiling", **rain}), "soiling.per_day"
+    numbers = Member({}, {key: size}, {key: 1e-4}, {})
+    clause = clause_of(effect, numbers, {}, "2023-01-01", "2023-12-31")
+    assert clause.words == words
+
+
 @pytest.mark.parametrize("share", [-0.3, -0.1, 0.1, 0.5])
 def test_a_trend_that_leaves_nothing_keeps_its_direction(share):
     """Eight years of -30 % a year would turn the sign of the reading."""
