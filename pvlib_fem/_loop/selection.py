@@ -163,8 +163,9 @@ class Selection:
     closed: frozenset[str] = frozenset()  # names that are not to be taken
     #: random effects, by which the certainty is computed
     noise: tuple[Table, ...] = ()
-    #: candidates given some columns
-    known: dict[tuple[str, ...], list[Candidate]] = field(default_factory=dict)
+    #: candidates given some columns, and what each explains
+    known: dict[frozenset[Column], list[Candidate]] = field(default_factory=dict)
+    scores: dict[tuple, Score] = field(default_factory=dict)
 
     @cached_property
     def seen(self) -> Design:
@@ -342,7 +343,7 @@ class Selection:
         without: str = "",
     ) -> list[Candidate]:
         """Candidates given some columns, but taken names and one time profile."""
-        key = tuple(map(str, given))
+        key = frozenset(given)
         if key not in self.known:
             limits = self.criteria
             every = [
@@ -450,6 +451,13 @@ class Selection:
         one : Candidate
         given : sequence of int or Changed
         """
+        key = one.columns, frozenset(given)
+        if key not in self.scores:
+            self.scores[key] = self.scored(one, given)
+        return self.scores[key]
+
+    def scored(self, one: Candidate, given: Sequence[Column]) -> Score:
+        """:meth:`score`, computed."""
         design, own = self.design.fit_for([one.effect]), one.beyond(given)
         weekly = design.by_week([*given, *own])
         size = len(own)

@@ -658,7 +658,7 @@ def test_an_effect_is_surer_beside_a_pattern_that_is_known():
     plain = Selection(made, CRITERIA)
     known = random_effects(made, [1], plain.least)
     assert known
-    known = replace(plain, noise=tuple(known), known={})
+    known = replace(plain, noise=tuple(known), known={}, scores={})
     one = Candidate(made.effects["sky_radiation"], (2,), np.log(CRITERIA.prior_odds))
     before, after = (s.score(one, [1]) for s in (plain, known))
     assert after.null[0, 0] < 0.5 * before.null[0, 0]
