@@ -78,6 +78,8 @@ UNITS = {
 }
 #: what falls in one step, of which its length makes a rate
 AMOUNTS = {"rain": ("mm", "in"), "irradiance": ("Wh/m²", "kWh/m²", "J/cm²")}
+#: spans over which a header may state what falls, such as mm/10min [h]
+SPANS = {"s": 1.0 / 3600.0, "min": 1.0 / 60.0, "h": 1.0, "d": 24.0}
 WHOLE = ("W", "kW", "MW")  # power of all modules, of which their area makes a density
 #: other spellings, as :func:`plain_unit` leaves them
 SPELLINGS = {
@@ -224,6 +226,10 @@ def unit_of(name: str, text: str) -> str:
     for unit in known:
         if plain_unit(text) == plain_unit(unit) or plain_unit(text) in SPELLINGS[unit]:
             return unit
+    amount, span, hours = over_a_span(text)
+    for unit in AMOUNTS.get(QUANTITIES[usual_name_of(name) or name], ()):
+        if hours and (amount == plain_unit(unit) or amount in SPELLINGS[unit]):
+            return f"{unit}/{span}"
     raise ValueError(f"{name} cannot be in {text!r}; it may be in {', '.join(known)}")
 
 
@@ -255,6 +261,15 @@ def named_unit(name: str, header: str) -> str | None:
         except ValueError:
             continue
     return None
+
+
+def over_a_span(text: str) -> tuple[str, str, float]:
+    """Amount, span and hours of a unit such as mm/10min; no hours if it has no span."""
+    parts = re.fullmatch(r"(.+?)(?:/|per)(\d*)(s|min|h|d)", plain_unit(text))
+    if parts is None:
+        return text, "", 0.0
+    amount, count, span = parts.groups()
+    return amount, count + span, int(count or 1) * SPANS[span]
 
 
 def plain_unit(text: str) -> str:
@@ -298,7 +313,10 @@ def converted_column(
         If the column cannot be in that unit, or the area is needed and not given.
     """
     unit, name = unit_of(name, unit), usual_name_of(name) or name
-    factor, offset = units_of(name)[unit]
+    known = units_of(name)
+    if unit not in known:  # an amount over a span of its own
+        unit, hours = unit.rsplit("/", 1)[0], over_a_span(unit)[2]
+    factor, offset = known[unit]
     if unit in AMOUNTS.get(QUANTITIES[name], ()):
         factor /= hours
     if name == "p_dc_per_area" and unit in WHOLE:

@@ -44,13 +44,18 @@ NAMES = {
         r"(^|[\W_])r_?h(\b|_|\d)|rel\w*[\s_.-]*hum|humid|^hum(\b|_)|feucht|^hr$|^rf$",
     ),
     "longwave_down": (r"long[\s_-]?wave|^lw|pyrgeo|^dlr|^ir_?down|infrared",),
-    "precipitation": (r"rain|precip|regen|niederschl|^rr$",),
+    "precipitation": (
+        r"rain|precip|regen|niederschl|neerslag|pluie|lluvia|pioggia|^rr$",
+    ),
     "snow_depth": (r"snow|schnee",),
     # power by area is never guessed: a plant's would be taken for it
-    "power_dc": (r"^p[\s_.-]?dc|dc[\s_.-]*(power|leist)|(power|leist\w*)[\s_.-]*dc",),
+    "power_dc": (
+        r"^p[\s_.-]?dc|dc[\s_.-]*(power|leist)|(power|leist\w*)[\s_.-]*dc|"
+        r"^dc[\s_.-]+([km]?_?w|watt)$",
+    ),
     "power_ac": (
         rf"{TRUE_POWER}((.*[\W_])?p[\s_.-]?ac(\b|_|\d)|.*ac[\s_.-]*(power|leist)|"
-        r".*(power|leist\w*)[\s_.-]*ac)",
+        r".*(power|leist\w*)[\s_.-]*ac|ac[\s_.-]+([km]?_?w|watt)$)",
         rf"{TRUE_POWER}.*(power|leistung)",
         rf"{TRUE_POWER}.*(production|generation|output|erzeug|produktion|einspeis).*watt",
     ),

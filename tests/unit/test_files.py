@@ -284,6 +284,17 @@ def test_every_unit_has_a_spelling_and_its_own_is_left_as_it_is():
 def test_amounts_of_rain_and_power_of_a_plant_need_what_they_are_of():
     rain = converted_column(pd.Series([0.2]), "precipitation", "mm", hours=1 / 6)
     assert rain[0] == pytest.approx(1.2)  # mm/h: 0.2 mm in ten minutes
+    for unit, size in {"mm/10min": 0.2, "mm/d": 28.8, "mm per 5 min": 0.1}.items():
+        assert named_unit("precipitation", f"Rain ({unit})") == unit_of(
+            "precipitation", unit
+        )
+        rain = converted_column(pd.Series([size]), "precipitation", unit, hours=1.0)
+        assert rain[0] == pytest.approx(1.2)  # over its own span, whatever the step
+    sun = converted_column(pd.Series([0.2]), "poa_global", "kWh/m²/15min", hours=1.0)
+    assert sun[0] == pytest.approx(800.0)
+    for unit in ("mm/0min", "m/s/10min", "mm/10"):
+        with pytest.raises(ValueError, match="cannot be in"):
+            unit_of("precipitation", unit)
     for unit, size in {"W": 24e3, "kW": 24.0, "MW": 0.024}.items():
         power = converted_column(pd.Series([size]), "p_dc_per_area", unit, area=120.0)
         assert power[0] == pytest.approx(200.0)

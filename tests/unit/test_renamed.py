@@ -144,6 +144,10 @@ POWERS = {
     "p_dc": "power_dc",
     "DC Power [W/m²]": "power_dc",
     "System Power (kW)": "power_ac",
+    "AC kW": "power_ac",
+    "DC kW": "power_dc",
+    "DC (kW)": "power_dc",
+    "Neerslag (mm/10min)": "precipitation",
     "inverter_power": "power_ac",
 }
 
