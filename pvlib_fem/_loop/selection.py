@@ -89,6 +89,7 @@ class Choice:
     spreads: dict[str, tuple[float, float]] = field(default_factory=dict)
     #: the outside among them
     probabilities: dict[str, float] = field(default_factory=dict)
+    taken: frozenset[str] = frozenset()  # names of other choices
 
     @property
     def fall(self) -> float:
@@ -97,8 +98,9 @@ class Choice:
 
     @property
     def first(self) -> str:
-        """Name of the most probable member."""
-        return max(self.members, key=self.probabilities.__getitem__)
+        """Name of the most probable member that is no other choice."""
+        free = [name for name in self.members if name not in self.taken]
+        return max(free, key=self.probabilities.__getitem__)
 
     @property
     def as_first(self) -> "Choice":
@@ -494,8 +496,10 @@ class Selection:
         given = self.given(others)
         parts = {top.name: choice.score}
         members = {top.name: top}
-        for one in self.candidates(given, names_of(others)):
-            if one.name in members:
+        # a change that is in the model may be the cause of other days, too
+        taken = frozenset(names_of(others))
+        for one in self.candidates(given):
+            if one.name in members or {*one.columns} <= {*given}:
                 continue
             if self.in_sample(one, given) < OVERLAP * choice.fall:
                 continue
@@ -506,7 +510,9 @@ class Selection:
                 members[one.name], parts[one.name] = one, score
         sure = choice.score.z_score
         weights = self.posterior(members, given, top, min(sure, 1.0 / PROFILE_ERROR))
-        choice = replace(choice, members=members, scores=parts, weights=weights)
+        choice = replace(
+            choice, members=members, scores=parts, weights=weights, taken=taken
+        )
         return replace(choice, spreads=self.spreads(choice, given))
 
     def spreads(
