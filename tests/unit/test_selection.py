@@ -666,6 +666,30 @@ def test_an_effect_is_surer_beside_a_pattern_that_is_known():
     assert after.probability > max(before.probability, CRITERIA.min_probability)
 
 
+@pytest.mark.parametrize("fault", ["module_offset", "air_offset"])
+def test_a_rival_may_have_the_name_of_another_finding(fault):
+    """The most probable member is no other finding, of which the model has one."""
+    random, (days, hours) = np.random.default_rng(4), clock(360)
+    rest = 1.5 * (days >= 90) - 2.0 * (days >= 200) + noise(random, len(days))
+    changing = [CHANGES[f"{name}_step"] for name in ("module_offset", "air_offset")]
+    columns = {"one": random.normal(size=len(days))}
+    made = design(rest, columns, days, hours, changing)
+    selection = Selection(made, CRITERIA)
+
+    def found(name, given):
+        return next(one for one in selection.candidates(given) if one.name == name)
+
+    twin = {"module_offset": "air_offset", "air_offset": "module_offset"}[fault]
+    other = found(f"{twin}_step", [1])
+    mine = found(f"{fault}_step", [1, other.change])
+    beside = [Choice(other, selection.score(other, [1]))]
+    given = selection.given(beside)
+    choice = selection.weighed(Choice(mine, selection.score(mine, given)), beside)
+    choice = with_outside(made, choice, given, CRITERIA)
+    assert choice.probabilities[f"{twin}_step"] > 0.3
+    assert choice.first == f"{fault}_step"
+
+
 @given(st.integers(0, 2**32 - 1), st.integers(1, 2), st.integers(1, 2))
 def test_what_another_would_explain_is_its_fit_to_what_the_first_explains(
     seed, size, rival
