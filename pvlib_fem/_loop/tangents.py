@@ -460,7 +460,8 @@ def located_effect(
     """The effect where a scan of the remaining error shows it, or None."""
     places = {name: inputs[name][evidence.rows[known]] for name in drivers}
     rest, shapes = evidence.without_shape()
-    columns = {key: column[known] for key, column in (own | shapes).items()}
+    # of a shape whose driver is missing, as in the residual
+    columns = {key: np.nan_to_num(c[known]) for key, c in (own | shapes).items()}
     weeks = calendar_weeks(evidence.dates[known])
     return scan(rest[known], columns, places, weeks, least)
 

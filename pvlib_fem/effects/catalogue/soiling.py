@@ -7,6 +7,7 @@ import numpy as np
 
 from pvlib_fem.drivers import Driver
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
+from pvlib_fem.effects._windows import orthonormal
 
 
 def terms(
@@ -71,10 +72,8 @@ def scan(
     keys = [f"soiling.per_day_{i}" for i in range(len(RAINS))]
     gathered = np.column_stack([tangents[key] for key in keys])
     # constant soiling and the fitted coefficients are no longer in the residual
-    others = np.column_stack([c for key, c in tangents.items() if key not in keys])
-    others = others / (np.linalg.norm(others, axis=0) + TINY)
-    shared = np.linalg.lstsq(others.T @ others, others.T @ gathered, rcond=None)[0]
-    gathered = gathered - others @ shared
+    basis = orthonormal([c for key, c in tangents.items() if key not in keys])
+    gathered = gathered - basis @ (basis.T @ gathered)
     squares = np.square(gathered).sum(axis=0)
     explained = (rest @ gathered) ** 2 / (squares + TINY)
     return soiling_by_rain(**RAINS[int(np.argmax(explained))])
