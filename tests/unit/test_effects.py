@@ -12,6 +12,7 @@ from conftest import COLUMNS, DRIVERS
 from hypothesis import given, strategies as st
 
 import pvlib_fem as fem
+from pvlib_fem._loop.tangents import Evidence, located_effect
 from pvlib_fem._record.inputs import read
 from pvlib_fem._stored import VERSION
 from pvlib_fem._thermal.model import ThermalModel
@@ -908,6 +909,28 @@ def test_the_record_decides_which_rain_cleans(plant, noise, rain):
     assert np.mean(clean[0] == clean[1]) > 0.95
     found = loop.fit.coefficients["soiling.per_day"]
     assert found == pytest.approx(-0.005, rel=0.1)
+
+
+def test_a_scan_counts_a_shape_as_nothing_where_its_driver_is_missing():
+    random, rows = np.random.default_rng(1), np.arange(200)
+    base, winter, own, rest = random.normal(size=(4, len(rows)))
+    winter[:20] = np.nan
+    evidence = Evidence(
+        {"base": base, "season.winter": winter},
+        *(rest, rows // 10, rows, ("base",), ()),
+        own={"season": ("season.winter",)},
+        effects={"season": EFFECTS["season"]},
+    )
+    seen = {}
+
+    def scan(rest, tangents, *others):
+        seen.update(tangents, rest=rest)
+
+    known = np.ones(len(rows), dtype=bool)
+    assert located_effect(evidence, scan, {"own": own}, known, {}, (), 0.0) is None
+    assert all(np.isfinite(column).all() for column in seen.values())
+    np.testing.assert_array_equal(seen["own"], own)
+    assert (seen["season.winter"][:20] == 0.0).all()
 
 
 @pytest.mark.parametrize(
