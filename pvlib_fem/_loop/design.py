@@ -25,7 +25,7 @@ from pvlib_fem._statistics.weekly_sums import (
     products,
     with_ridge,
 )
-from pvlib_fem.drivers import derive_drivers, is_derived, is_modelled, needed_for
+from pvlib_fem.drivers import derive_drivers, is_derived, is_modelled, own_columns
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import weights_of
 
@@ -632,21 +632,15 @@ def derived_of(
     record: Record, rows: np.ndarray, effects: Iterable[Effect]
 ) -> dict[str, np.ndarray]:
     """What effects derive from measured columns of their own, at some rows."""
-    names = dict.fromkeys(
-        name
-        for effect in effects
-        for name in effect.drivers
-        if is_derived(name) and not is_modelled([name]) and follows_own(name)
-    )
-    inputs = derive_drivers(record.inputs, [*names])
+    drivers = dict.fromkeys(name for effect in effects for name in effect.drivers)
+    names = []
+    for name in filter(is_derived, drivers):
+        own = own_columns([name])
+        # power follows irradiance, and so does what is derived from it
+        if own and not is_modelled([name]) and not any(map(is_power, own)):
+            names.append(name)
+    inputs = derive_drivers(record.inputs, names)
     return {name: np.nan_to_num(inputs[name][rows]) for name in names}
-
-
-def follows_own(name: str) -> bool:
-    """Whether a driver has measured columns beyond the usual inputs and the sun."""
-    own = {*needed_for([name])} - {*COLUMNS[:3], *GEOMETRY}
-    # power follows irradiance, and so does what is derived from it
-    return bool(own) and not any(map(is_power, own))
 
 
 def columns_of(design: Design, effect: Effect) -> tuple[Column, ...]:

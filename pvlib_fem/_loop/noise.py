@@ -24,7 +24,7 @@ from pvlib_fem._statistics.tables import (
     largest_table,
 )
 from pvlib_fem._statistics.weekly_sums import LeastSquares, products
-from pvlib_fem.drivers import needed_for
+from pvlib_fem.drivers import needed_for, own_columns
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._instruments import OF_NO_COEFFICIENT
 from pvlib_fem.effects._time_profiles import weights_of
@@ -65,7 +65,7 @@ def prior_of(effect: Effect, outside: float) -> OutsidePrior:
     if effect.settings.get("sensor"):  # a reflection onto the module looks the same
         return OutsidePrior(REFLECTION, 1.0)
     dated = effect.sensor_fault or effect.turns  # a fault of one device from a date on
-    if dated or (own_columns(effect) and not effect.confounder):
+    if dated or (own_columns(effect.drivers) and not effect.confounder):
         return OutsidePrior(outside, ALIKE)
     # what follows the sun and the usual inputs alone may be anything that does
     return OutsidePrior(outside, 1.0)
@@ -155,7 +155,7 @@ def law_misfits(
     if one.effect.sensor_fault:
         tables = [of_hours(design, one, rest)]
     else:
-        mine = own_columns(one.effect)
+        mine = own_columns(one.effect.drivers)
         axes = [axis for axis in design.axes if axis.column in mine]
         driven = [n for n in one.effect.drivers if n in design.derived]
         axes += filter(None, (sorted_by("", design.derived[n]) for n in driven))
@@ -202,11 +202,6 @@ def of_hours(design: "Design", one: "Candidate", rest: np.ndarray) -> Table:
     side = Axis("change", much, ((0, 0), (1, 1)))
     rest = rest - group_means(hour.bins, design.rows)(rest)
     return Table.from_residual((hour, side), rest, design.rows, design.weeks)
-
-
-def own_columns(effect: Effect) -> set[str]:
-    """Measured columns of an effect beyond the usual inputs and the sun."""
-    return {*needed_for(effect.drivers)} - {*COLUMNS[:3], *GEOMETRY}
 
 
 def likelihoods(

@@ -6,11 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pvlib_fem._loop.change_dates import (
-    Scan,
-    first_days,
-    number_of_dates,
-)
+from pvlib_fem._loop.change_dates import Scan, first_days, number_of_dates
 from pvlib_fem._loop.change_sums import PROFILE_ERROR, dates_cost
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.design import Column, Design, columns_of, place_of

@@ -224,11 +224,11 @@ def unit_of(name: str, text: str) -> str:
         )
     known = units_of(name)
     for unit in known:
-        if plain_unit(text) == plain_unit(unit) or plain_unit(text) in SPELLINGS[unit]:
+        if is_spelled(text, unit):
             return unit
     amount, span, hours = over_a_span(text)
     for unit in AMOUNTS.get(QUANTITIES[usual_name_of(name) or name], ()):
-        if hours and (amount == plain_unit(unit) or amount in SPELLINGS[unit]):
+        if hours and is_spelled(amount, unit):
             return f"{unit}/{span}"
     raise ValueError(f"{name} cannot be in {text!r}; it may be in {', '.join(known)}")
 
@@ -261,6 +261,11 @@ def named_unit(name: str, header: str) -> str | None:
         except ValueError:
             continue
     return None
+
+
+def is_spelled(text: str, unit: str) -> bool:
+    """Whether a text is one of the spellings of a unit."""
+    return plain_unit(text) in (plain_unit(unit), *SPELLINGS[unit])
 
 
 def over_a_span(text: str) -> tuple[str, str, float]:

@@ -12,6 +12,7 @@ from pvlib_fem.drivers._derived import (  # noqa: F401  for other packages
     is_modelled,
     lost_without,
     needed_for,
+    own_columns,
     own_constants,
     short_memory,
     underived,

@@ -360,6 +360,21 @@ def needed_for(names: Sequence) -> list[str]:
     return [name for name in underived(names) if name not in (*USUAL, *MODELLED)]
 
 
+def own_columns(names: Sequence) -> set[str]:
+    """
+    Measured columns that drivers need beyond the usual three and the sun.
+
+    Parameters
+    ----------
+    names : sequence of str or Driver
+
+    Returns
+    -------
+    set of str
+    """
+    return {*needed_for(names)} - {*GEOMETRY}
+
+
 def derive_drivers(inputs: Inputs, names: Sequence) -> Inputs:
     """
     The inputs, completed by derived drivers and the columns that they need.

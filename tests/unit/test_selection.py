@@ -448,10 +448,8 @@ def test_what_stands_for_an_unknown_schedule_is_outside():
 def test_a_law_has_no_residual_along_what_it_derives(dust):
     """Dust gathers for as long as no rain falls; ground that is wet dries in a day."""
     random, (days, hours) = np.random.default_rng(6), clock(300)
-    rains = np.flatnonzero(random.random(300) < 0.15)
-    last = np.maximum.accumulate(
-        np.where(np.isin(np.arange(300), rains), range(300), 0)
-    )
+    rains = random.random(300) < 0.15
+    last = np.maximum.accumulate(np.where(rains, np.arange(300), 0))
     dry = days - last[days] + hours / 24.0
     clouds = random.uniform(0.05, 1.0, len(days))
     sun = clouds * np.maximum(np.sin((hours - 6) * np.pi / 12), 0.0)

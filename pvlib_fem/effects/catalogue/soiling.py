@@ -52,9 +52,8 @@ def soiling_by_rain(
     It begins ``grace`` days after that rain, and is constant ``dirtiest`` days later.
     Kimber's values are 6 mm in 24 h, and 14 days of grace.
     """
-    given = {"cleaning": cleaning, "within": within, "dirtiest": dirtiest}
-    given["grace"] = grace
-    return replace(EFFECT, scan=None, scanned_from=None, make=None).made(**given)
+    bare = replace(EFFECT, scan=None, scanned_from=None, make=None)
+    return bare.made(cleaning=cleaning, within=within, dirtiest=dirtiest, grace=grace)
 
 
 def every_rain(
