@@ -41,7 +41,7 @@ SIZES = {
 }
 ODDS = [0.18, 0.18, 0.1, 0.08, 0.13, 0.13, 0.2]
 #: effects of the simulator's physics, of which a part of the sun's heat is power
-PRESENT = {*simulator.OUTDOORS, "electrical_output"} | IN_PHYSICS
+PRESENT = {*simulator.OUTDOORS, "electrical_output", "modules_covered"} | IN_PHYSICS
 #: what one record cannot tell from each other is one truth
 SAME = {
     "module_sensor_contact": ("module_sensor_contact", "mounting"),

@@ -226,19 +226,21 @@ def said(loop, case, world):
     corrections = [c for c in loop.corrections if c.applied]
     clocks = [c for c in corrections if not c.fault.startswith("file_")]
     groups = [{"clock_shift"} for _ in clocks]
-    groups += [set(finding.candidates) for finding in added]
+    groups += [causes(finding.candidates, case) for finding in added]
     there = set(case.truths) | (IN_PHYSICS if case.form is None else set())
     known = set(case.truths)
     if world.generator == "fuentes":  # which has a sky that follows the air
         known |= {"sky_radiation"}
     wrong = [
-        f.effect for f in added if f.verdict == "identified" and f.effect not in known
+        f.effect
+        for f in added
+        if f.verdict == "identified" and not causes([f.effect], case) & known
     ]
     wrong += ["clock_shift"] * (len(clocks) > 0 and "clock_shift" not in case.truths)
     misled = [
         "|".join(f.candidates)
         for f in added
-        if f.verdict == "ambiguous" and not set(f.candidates) & there
+        if f.verdict == "ambiguous" and not causes(f.candidates, case) & there
     ]
     verdicts = [f.verdict for f in loop.finding_objects]
     first = added[0].effect if added else "nothing"
@@ -251,7 +253,7 @@ def said(loop, case, world):
             f"{f.verdict} {'|'.join(f.candidates)} ({f.gain:.2f} K)"
             for f in loop.finding_objects
         ),
-        "sets": sets(loop),
+        "sets": sets(loop, case.covers),
         "verdicts": tuple(verdicts),
         "first": first,
         "first_ok": first_ok(groups, case),
@@ -276,13 +278,23 @@ def said(loop, case, world):
     }
 
 
-def sets(loop):
-    """Every finding that has probabilities."""
-    return [
-        dict(effect=f.effect, verdict=str(f.verdict), shares=f.probabilities)
-        for f in loop.finding_objects
-        if f.probabilities
-    ]
+def causes(names, case):
+    """Names of effects, covers under the name of the truth that they show."""
+    return {case.covers.get(name, name) for name in names}
+
+
+def sets(loop, covers=None):
+    """Every finding that has probabilities, covers under the name of their cause."""
+    covers, found = covers or {}, []
+    for f in loop.finding_objects:
+        shares = {}
+        for name, share in f.probabilities.items():
+            name = covers.get(name, name)
+            shares[name] = shares.get(name, 0.0) + share
+        if shares:
+            effect = covers.get(f.effect, f.effect)
+            found.append(dict(effect=effect, verdict=str(f.verdict), shares=shares))
+    return found
 
 
 def first_ok(groups, case):
@@ -303,7 +315,9 @@ def unexplained_ok(loop, case):
 
 def mentioned(loop, case):
     """Whether the truth is among what could not be tested, or only ambiguous."""
-    listed = {name for f in loop.finding_objects for name in f.candidates}
+    listed = set()
+    for finding in loop.finding_objects:
+        listed |= causes(finding.candidates, case)
     return set(case.truths) <= {*loop.untestable, *listed}
 
 

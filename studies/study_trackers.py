@@ -2,7 +2,7 @@
 What the loop finds in records of single-axis trackers, with the bars of fixed planes.
 
 One family of the study on a page of its own. Run as
-``python studies/study_trackers.py [--shifts 10410000 10510000] [--processes 2]
+``python studies/study_trackers.py [--shifts 11410000 11510000] [--processes 2]
 [--table FILE] [--out docs/study_trackers.md]``.
 """
 
@@ -20,7 +20,7 @@ from study_worlds import TRACKERS
 
 from pvlib_fem.effects._time_profiles import day_number
 
-SHIFTS = (10410000, 10510000, 10610000, 10710000)  # of seeds, not looked at before
+SHIFTS = (11410000, 11510000, 11610000, 11710000)  # of seeds, not looked at before
 WRONG, MISLED = 0.003, 0.03  # most records with a wrong name, sets without the truth
 
 INTRO = """\

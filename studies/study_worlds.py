@@ -21,8 +21,8 @@ from pvlib_fem.simulator._fuentes_world import ABSORPTION
 
 SHIFT = 0  # of all seeds, for worlds on which no rule was tried
 #: what the gate is measured on: shifts, one world of how many, and instruments
-GATE_SHIFTS, GATE_EVERY = (10110000, 10210000, 10310000), 12
-GATE_SEED, GATE_RECORDS = 42000, 200
+GATE_SHIFTS, GATE_EVERY = (11110000, 11210000, 11310000), 12
+GATE_SEED, GATE_RECORDS = 43000, 200
 FLOOR = 0.15  # K, the least gain that the loop calls material
 CLEARLY = 2.0  # times the smallest detectable size, from which an effect must show
 NEAR = 0.20  # of a coefficient's truth
@@ -146,6 +146,12 @@ TRUTHS = {
     "radiative_loss": Truth("radiative_loss", "share", emitted, sizes=SHARES),
     "tracker_stuck": Truth("tracker_stuck", "share", 1.0, sizes=(1.0,)),
 }
+#: effects that power shows, whose words have these causes in one: "snow, leaves or
+#: shade", on the modules or on the irradiance sensor
+COVERS = {
+    "modules_covered": ("snow", "shading"),
+    "sensor_covered": ("shading_sensor",),
+}
 OF_TRACKERS = ("tracker_stuck",)  # which a fixed plane has not
 
 #: shapes that physics leaves: T⁴ is a season and a gain of temperature
@@ -259,6 +265,15 @@ class Case:
         names += ["driver:neighbour"] * self.neighbour
         names += ["clock_shift"] * bool({"clock_drift", "dst"} & {*self.sizes})
         return tuple(dict.fromkeys(names))
+
+    @property
+    def covers(self):
+        """By name of an effect that power shows, the truth that is its cause."""
+        known = {}
+        for effect, switches in COVERS.items():
+            for switch in (s for s in switches if s in self.sizes):
+                known.setdefault(effect, TRUTHS[switch].effect)
+        return known
 
     @property
     def label(self):

@@ -49,7 +49,7 @@ PAIRS = (
 )
 MOST_TABLES = 3  # of random effects
 ALIKE = 0.1  # of unknown causes that follow a driver, as alike as its effect
-REFLECTION = 0.5  # of what takes light from a sensor and not from the module
+REFLECTION = 0.5  # of light that modules have and the irradiance sensor has not
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class OutsidePrior:
 
 def prior_of(effect: Effect, outside: float) -> OutsidePrior:
     """The prior of a cause outside the catalogue as a rival of an effect."""
-    if effect.settings.get("sensor"):  # a reflection onto the module looks the same
+    if effect.unseen_light:  # a reflection onto the modules looks the same
         return OutsidePrior(REFLECTION, 1.0)
     dated = effect.sensor_fault or effect.turns  # a fault of one device from a date on
     if dated or (own_columns(effect.drivers) and not effect.confounder):

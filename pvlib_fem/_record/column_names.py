@@ -64,7 +64,7 @@ TRANSPOSED = ShellText(
 )
 SERVED = ("temp_air", "wind_speed")  # for which a second source can stand in
 #: power of a plant, the better column first
-PLANT_POWER = ("power_dc", "power_ac")
+PLANT_POWER = ("power_dc", "p_dc_per_area", "power_ac")
 #: names of power, and of a second sensor
 POWER = re.compile(r"(power|p)_(ac|dc|mp|mpp)(_\w+)?|power(_\w+)?")
 #: light in the plane that is no second sensor of all light on the front
@@ -128,6 +128,23 @@ def is_power(name: str) -> bool:
         True also for ``p_dc_per_area``; False if the name ends with ``_original``.
     """
     return POWER.fullmatch(str(name)) is not None and not str(name).endswith(ORIGINAL)
+
+
+def kind_of_power(name: str) -> str:
+    """
+    End of the names of drivers that are computed from a column of power.
+
+    Parameters
+    ----------
+    name : str
+        In :data:`PLANT_POWER`.
+
+    Returns
+    -------
+    str
+        ``"_dc"``, ``"_ac"`` or ``"_dc_per_area"``.
+    """
+    return name.removeprefix("power").removeprefix("p")
 
 
 def known_values(name: str, values: np.ndarray, poa_global: np.ndarray) -> np.ndarray:

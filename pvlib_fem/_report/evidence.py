@@ -47,7 +47,7 @@ def relative_to_median(daily: Daily | None) -> Daily | None:
 
 def power_at_25(rows: Rows) -> tuple[np.ndarray, str] | None:
     """Power of the plant at 25 °C, and its name; None without power."""
-    for name in (*PLANT_POWER, "p_dc_per_area"):
+    for name in PLANT_POWER:
         if (power := rows.column(name)) is not None:
             warm = rows.record["temp_module"] - 25.0
             return power / (1.0 + GAMMA * warm), name

@@ -408,7 +408,7 @@ def sensor_covered(effect: Effect, numbers: Numbers) -> Clause:
         "snow, leaves or shade cover the irradiance sensor for hours, and power and "
         "temperature are both high for what it reads"
     )
-    action = "Clean the irradiance sensor, and look for what shades it"
+    action = "Look from the irradiance sensor for what covers or shades it"
     return Clause("irradiance sensor", words, action, **only_size(effect, numbers))
 
 

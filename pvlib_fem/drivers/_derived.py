@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any
 
-from pvlib_fem._record.column_names import GEOMETRY, PLANT_POWER
+from pvlib_fem._record.column_names import GEOMETRY, PLANT_POWER, kind_of_power
 from pvlib_fem._record.inputs import Inputs
 from pvlib_fem.drivers._lagged_inputs import (
     HOUR,
@@ -241,17 +241,19 @@ def is_derived(name: str) -> bool:
     return getattr(name, "name", name) in DERIVED
 
 
+#: whether there is no power, by the name of each column of it
+POWER_OFF = tuple(f"power_off{kind_of_power(power)}" for power in PLANT_POWER)
 #: drivers of a row that depend on rows hours or weeks before or after it
 REMEMBERED = (
     *("beam_around", "cloud_share", "wetness", "days_since_rain"),
     *("snow_cover", "snow_left", "poa_past_1h", "poa_past_3h", "air_past"),
-    *("frost_past_day", "power_off_dc", "power_off_ac"),
+    *("frost_past_day", *POWER_OFF),
 )
 
 #: drivers of these with a memory of hours, and the constant that sets it [s]
 SHORT = {"wetness": "drying"}
 #: drivers of these that are known in rows without their columns
-THROUGHOUT = ("days_since_rain", "frost_past_day", "power_off_dc", "power_off_ac")
+THROUGHOUT = ("days_since_rain", "frost_past_day", *POWER_OFF)
 
 
 def drivers_with_memory(names: Sequence) -> list[str]:

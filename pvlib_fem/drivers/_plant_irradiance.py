@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._record.column_names import known_values
+from pvlib_fem._record.column_names import kind_of_power, known_values
 from pvlib_fem._record.inputs import Inputs
 from pvlib_fem.drivers._lagged_inputs import times_on_own_clock
 from pvlib_fem.power import PowerRelation, days_of, fit_power_arrays
@@ -242,14 +242,14 @@ def of_column(power: Any) -> Any:
     Parameters
     ----------
     power : str
-        ``power_dc`` or ``power_ac``.
+        ``power_dc``, ``p_dc_per_area`` or ``power_ac``.
 
     Returns
     -------
     dict
         Columns and function of each driver, as in :data:`~pvlib_fem.drivers.DERIVED`.
     """
-    kind = power.removeprefix("power")  # _dc or _ac
+    kind = kind_of_power(power)
     usual = ("poa_global", "temp_base")
     off = f"power_off{kind}"
     return {

@@ -131,6 +131,9 @@ class Effect:
         Whether it is a function of irradiance, air temperature, wind and sun
         alone. Several such effects can look alike, so they are reported as a
         class.
+    unseen_light : bool, default False
+        Whether it is light on the modules that the irradiance sensor does not get. A
+        reflection onto the modules, of which the catalogue has none, looks the same.
     title : str, optional
         The part of physics that a model without it does not have, as a noun phrase.
     decided_by : str, optional
@@ -175,6 +178,7 @@ class Effect:
     parameters: Mapping[str, Parameter]
     columns: tuple | None = None
     confounder: bool = False
+    unseen_light: bool = False
     title: str = ""
     decided_by: str = ""
     settings: Mapping = field(default_factory=dict)

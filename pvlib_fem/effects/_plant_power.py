@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pvlib_fem._record.column_names import PLANT_POWER
+from pvlib_fem._record.column_names import PLANT_POWER, kind_of_power
 from pvlib_fem._record.inputs import Columns
 from pvlib_fem.drivers import Driver, constants
 from pvlib_fem.effects._effect import Effect
@@ -35,7 +35,7 @@ def by_power(effect: Any, *columns: Any) -> Any:
 
 def power_variant(effect: Any, power: Any, columns: Any) -> Any:
     """The form of one column of power."""
-    kind = power.removeprefix("power")
+    kind = kind_of_power(power)
     names = tuple(n if n in USED else f"{n}{kind}" for n in columns)
     variant = replace(
         effect, columns=names, source=power, settings={"source": power}, variants=()

@@ -135,4 +135,5 @@ EFFECT = Effect(
 BY_PLANT = replace(
     EFFECT, terms=unused, parameters={"share": Parameter(0.0, 0.0, 0.5, "-")}
 )
-EFFECT = replace(EFFECT, variants=(EFFECT, *by_power(BY_PLANT, "light_unused")))
+OTHERS = [e for e in by_power(BY_PLANT, "light_unused") if e.source not in USED]
+EFFECT = replace(EFFECT, variants=(EFFECT, *OTHERS))

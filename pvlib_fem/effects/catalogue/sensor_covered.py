@@ -29,11 +29,13 @@ EFFECT = Effect(
     "sensor_covered",
     terms,
     {"share": Parameter(0.0, 0.0, 1.5, "-")},
+    unseen_light=True,
     decided_by="a second irradiance sensor, or a camera",
     confused_with=(
         "irradiance_sensor_episode",
         "soiling",
         "shading",
+        "a reflection onto the modules",
         "power of a plant that has been extended",
     ),
 )

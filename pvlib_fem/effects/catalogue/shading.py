@@ -113,6 +113,7 @@ def window_effect(windows: Sequence, sensor: bool = False) -> Effect:
         lost,
         {"share": Parameter(0.0, *bounds, "-")},
         columns=(*lights, "solar_azimuth", "solar_zenith"),
+        unseen_light=sensor,
         title="shade on the modules or on the irradiance sensor",
         decided_by="a look at the horizon, or a photograph of it",
         settings={"windows": windows, "sensor": sensor},
