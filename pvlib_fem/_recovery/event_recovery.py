@@ -51,7 +51,8 @@ def recover_events(
     Parameters
     ----------
     data : DataFrame
-        As in :func:`close_loop`, with ``power_dc`` or ``power_ac``.
+        As in :func:`close_loop`, with ``power_dc``, ``p_dc_per_area`` or
+        ``power_ac``.
     effects : str or sequence of str, default all three
         ``"modules_covered"``, ``"sensor_covered"``, ``"outage"``.
     size : float, default 3
