@@ -23,6 +23,8 @@ WORDS = {
 }
 EVENT = "event"  # verdict of their statements
 MOST = 3  # events of a kind that are reported one by one
+FEWEST = 10  # events within a day that have usual hours
+MOSTLY = 0.8  # of these
 
 
 def by_kind(loop: "Loop") -> dict[str, pd.DataFrame]:
@@ -87,6 +89,36 @@ def all_of(events: pd.DataFrame) -> str:
     if np.isfinite(energy):
         _, _, what = WORDS[events["effect"].iloc[0]]
         words += f", {two_digits(energy)} kWh/kWp {what}"
+    return words + circumstances(events)
+
+
+def circumstances(events: pd.DataFrame) -> str:
+    """
+    When and in which air most events of a kind are, by which shade differs from snow.
+
+    Parameters
+    ----------
+    events : DataFrame
+        Rows of ``loop.events``.
+
+    Returns
+    -------
+    str
+        Empty for fewer than ten events within a day.
+    """
+    within = events[events["start"].dt.date == events["end"].dt.date]
+    if len(within) < FEWEST:
+        return ""
+    low, high = 0.5 * (1.0 - MOSTLY), 0.5 * (1.0 + MOSTLY)
+    times = [
+        (within[name] - within[name].dt.normalize()).quantile(share)
+        for name, share in (("start", low), ("end", high))
+    ]
+    first, last = (f"{pd.Timestamp(0) + time:%H:%M}" for time in times)
+    words = f"; {len(within)} within a day, mostly from {first} to {last}"
+    coldest, warmest = within["temp_air"].quantile([low, high])
+    if np.isfinite(warmest):
+        words += f", in air of {coldest:.0f} to {warmest:.0f} °C"
     return words
 
 
