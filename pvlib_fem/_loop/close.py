@@ -104,12 +104,13 @@ def close_loop(
         ``"noct"``, ``temp_module`` [°C], and any of
         ``wind_direction`` [° from north], ``relative_humidity`` [%],
         ``longwave_down`` (or ``ir_down``) [W/m²], ``precipitation`` [mm/h],
-        ``p_dc_per_area`` [W per m² of module], ``snow_depth`` [cm], ``poa_rear``
-        [W/m²], irradiance on the rear side. Every other numeric
-        column is a candidate driver of its own, ``driver:<column>``. Or Parquet
-        files of such a record, as :func:`fit_fem` takes them: the loop is then of means
-        over ``criteria.search_step``, and ``own_steps`` its last model fitted to the
-        record's own steps, which have to confirm each finding.
+        ``power_dc`` or ``power_ac`` [W] of a module or a plant, ``p_dc_per_area`` [W
+        per m² of module], ``snow_depth`` [cm], ``poa_rear`` [W/m²], irradiance on the
+        rear side. Every other numeric column is a candidate driver of its own,
+        ``driver:<column>``. Or Parquet files of such a record, as :func:`fit_fem` takes
+        them: the loop is then of means over ``criteria.search_step``, and ``own_steps``
+        its last model fitted to the record's own steps, which have to confirm each
+        finding.
     model : str, default "faiman"
         A steady model by name, as in :func:`pvlib_fem.fit_fem`.
     location : pvlib.location.Location, optional

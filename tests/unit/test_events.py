@@ -404,4 +404,18 @@ def test_power_that_shows_no_event_is_named(clean, words, tmp_path):
 
 def test_the_energy_of_events_has_two_digits_and_no_exponent():
     rows = dict(effect="outage", hours=[6, 4], share=[0.01, 0.02], energy=[120.0, 92.0])
+    rows["start"] = rows["end"] = pd.date_range("2023-06-01", periods=2)
     assert all_of(pd.DataFrame(rows)).endswith(", 210 kWh/kWp lost")
+
+
+def test_events_at_the_same_hours_are_said_to_be(clean):
+    """So that a reader can tell shade from snow."""
+    days = pd.date_range("2023-01-02", periods=12, freq="30D", tz=clean.index.tz)
+    begin, air = pd.Timedelta("14h"), np.linspace(1.0, 23.0, 12)
+    rows = dict(effect="modules_covered", hours=3, share=0.01, energy=1.0, temp_air=air)
+    rows |= dict(start=days + begin, end=days + begin + pd.Timedelta("2h50min"))
+    table = pd.DataFrame(rows)
+    words = "; 12 within a day, mostly from 14:00 to 16:50, in air of 3 to 21 °C"
+    assert all_of(table).endswith(words)
+    over_night = table.assign(end=table["end"] + pd.Timedelta("1D"))
+    assert "mostly" not in all_of(over_night) and "mostly" not in all_of(table[:9])
