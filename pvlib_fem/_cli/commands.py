@@ -153,10 +153,10 @@ def loop(
     In addition to the columns of a fit it takes wind_direction [° from north],
     relative_humidity [%], longwave_down [W/m²], precipitation [mm/h], power_dc or
     power_ac [W], p_dc_per_area [W per m² of module], snow_depth [cm] and poa_rear
-    [W/m²]; every other numeric column is tried as a cause of its own. With --lat, --lon, --tilt and --azimuth, or
-    the options of a tracker instead of the last two, it tries effects that follow the
-    sun, too; times without a zone are then local standard time. Of a folder or a
-    pattern of Parquet files it is of means over 5 min.
+    [W/m²]; every other numeric column is tried as a cause of its own. With --lat,
+    --lon, --tilt and --azimuth, or the options of a tracker instead of the last two, it
+    tries effects that follow the sun, too; times without a zone are then local standard
+    time. Of a folder or a pattern of Parquet files it is of means over 5 min.
     """
     with plainly():
         check_outputs(files, report=report, out=out, corrected=corrected)
