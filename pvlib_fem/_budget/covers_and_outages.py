@@ -112,13 +112,20 @@ class Hours:
             **hourly,
         )
 
-    def beyond_usual(self, values: np.ndarray) -> np.ndarray:
-        """Values minus their median at the same hour of the days around."""
-        values, clock = values.copy(), self.number % 24
+    def beyond_usual(self, values: np.ndarray, far: np.ndarray) -> np.ndarray:
+        """
+        Values minus their median at the same hour of the days around.
+
+        Hours with power far from irradiance are not usual: in weeks of snow they are
+        most, and hours without snow would stand out.
+        """
+        usual, clock = np.zeros(len(values)), self.number % 24
         for hour in np.unique(clock):
             rows = np.flatnonzero(clock == hour)
-            values[rows] -= median_filter(values[rows], 2 * AROUND + 1, mode="reflect")
-        return values
+            near = rows[~far[rows]] if not far[rows].all() else rows
+            medians = median_filter(values[near], 2 * AROUND + 1, mode="reflect")
+            usual[rows] = np.interp(self.number[rows], self.number[near], medians)
+        return values - usual
 
     def gain(self, some: slice) -> float:
         """Root of the fall of the mean square without the mean of some hours. [K]"""
@@ -188,14 +195,14 @@ class Deciding:
     def from_hours(cls, hours: Hours, spread: float, shares: dict) -> "Deciding":
         seen = hours.seen
         far = ~irradiances_agree(seen, hours.shown, spread)
-        apart = hours.beyond_usual((hours.shown - seen) / np.fmax(seen, LEAST))
+        apart = hours.beyond_usual((hours.shown - seen) / np.fmax(seen, LEAST), far)
         shown = np.where(far, hours.shown, seen * (1.0 + apart))
         faint = np.abs(shown - seen) > np.maximum(max(FAINT, 2.0 * spread) * seen, DIM)
         state = np.where(far | faint, np.sign(shown - seen), 0.0).astype(int)
         usual = state == 0
         for _ in range(2):
             state = bridged(state, hours.days())
-        strange = hours.beyond_usual(hours.residual)
+        strange = hours.beyond_usual(hours.residual, far)
         days = DayNoise(strange, hours.number, state == 0)
         noise = Noise(hours.residual[usual]), days, Noise(apart)
         return cls(hours, far, apart, shown, state, *noise, shares)

@@ -7,6 +7,7 @@ import pandas as pd
 
 from pvlib_fem._budget.covers_and_outages import Hours, event_table, events_in
 from pvlib_fem._record.column_names import plant_power
+from pvlib_fem._record.filters import frozen
 from pvlib_fem._record.inputs import Inputs
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers import derive_drivers
@@ -52,7 +53,8 @@ def events_of(fits: "Fits", step: "Step") -> pd.DataFrame:
     except ValueError:  # no power on the fitting weeks
         return event_table([])
     residual = step.measured - without_power(step, model, inputs)
-    rows = case.seen & np.isfinite(residual)
+    # no fit has the hours of frozen modules, but power shows whether they are covered
+    rows = (case.seen | frozen(record.inputs.columns)) & np.isfinite(residual)
     total, count = float(residual[rows] @ residual[rows]), int(rows.sum())
     rows &= np.isfinite(given[1] + given[2])
     poa, module, power, day = given

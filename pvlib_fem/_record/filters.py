@@ -100,7 +100,24 @@ def counted(columns: Columns, with_night: bool = False) -> Any:
     if with_night:
         seen = seen | night(*usual)
         if "snow_depth" in columns:
-            cold = (usual[3] >= -20) & (usual[3] < 0)
-            cold = cold & np.isfinite(usual[0])  # of any light, but a known one
-            seen = seen | (usable(usual[1], usual[2]) & cold)
+            seen = seen | frozen(columns)
     return seen
+
+
+def frozen(columns: Columns) -> Any:
+    """
+    Rows with the module below 0 °C, which may be under snow by day.
+
+    Parameters
+    ----------
+    columns : mapping
+        The usual four by name.
+
+    Returns
+    -------
+    boolean
+        True from -20 °C on, by day and by night.
+    """
+    poa, air, wind, module = (columns[name] for name in COLUMNS)
+    cold = (module >= -20) & (module < 0)
+    return usable(air, wind) & cold & np.isfinite(poa)  # of any light, but a known one

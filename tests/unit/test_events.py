@@ -184,11 +184,11 @@ def test_an_outage_of_days_is_one_event(clean):
 YEARS = 365.2425 / 365  # in the record
 
 
-def at_standard(data):
+def at_standard(data, name="power_ac"):
     """Power at 1000 W/m² and 25 °C, by bright rows of a plant without events."""
     warm = 1.0 - 0.004 * (data["temp_module"] - 25.0)
     bright = data["poa_global"] > 700.0
-    return (data["power_ac"] / (data["poa_global"] / 1000.0 * warm))[bright].median()
+    return (data[name] / (data["poa_global"] / 1000.0 * warm))[bright].median()
 
 
 @pytest.mark.parametrize("kind", HAPPENS)
@@ -210,6 +210,25 @@ def test_the_energy_of_events_is_the_power_that_the_plant_had_without_them(clean
         effect.cause.startswith(one.cause) and loop.yearly_energy[kind] == effect.energy
     )
     assert effect.energy < (0.05 if kind == "outage" else 1.0) * one.energy
+
+
+def test_weeks_of_snow_on_frozen_modules_are_events():
+    """No fit has these hours; those without snow between them are as usual."""
+    cold = dict(temp_mean=4.0, temp_amplitude=12.0, rain_days=0.35)
+    site = fem.simulator.Site(latitude=47.0, longitude=11.0, **cold)
+    scenarios = [PHYSICS | {"snow": size} for size in (0.0, 1.0)]
+    without, data = fem.simulator.records(site, scenarios, 365, 900.0, 77)
+    lost = without["p_dc_per_area"] - data["p_dc_per_area"]
+    frozen = data["temp_module"] < 0.0
+    assert lost[frozen].sum() > 0.5 * lost.sum()
+    events = fem.close_loop(data.drop(columns=["snow_depth", "longwave_down"])).events
+    assert set(events["effect"]) == {"modules_covered"}
+    within = pd.Series(False, data.index)
+    for start, end in zip(events["start"], events["end"]):
+        within[start:end] = True
+    assert lost[within].sum() > 0.95 * lost.sum()
+    change = lost.sum() * 0.25 / at_standard(without, "p_dc_per_area")
+    assert events["energy"].sum() == pytest.approx(change, rel=0.1)
 
 
 def test_the_gain_of_an_event_is_what_its_mean_takes_off_the_error(clean):
