@@ -76,7 +76,7 @@ def decided(data, **place):
         seen.append((hours, spread, covers_and_outages.SHARES | shares))
         return covers_and_outages.events_in(hours, spread, total, shares)
 
-    with mock.patch.object(power_events, "found_in", found_in):
+    with mock.patch.object(power_events, "events_in", found_in):
         close_loop(data, **place)
     return seen[-1]
 

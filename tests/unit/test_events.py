@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
+import study_events
 
 import pvlib_fem as fem
 from pvlib_fem._budget.covers_and_outages import Hours, rows_of_events
@@ -296,6 +297,12 @@ def test_power_per_area_shows_them_as_the_power_of_a_plant_does(clean, snowed):
     for kind in ("start", "end", "hours", "effect"):
         assert (loop.events[kind] == snowed.events[kind]).all()
     np.testing.assert_allclose(loop.events["energy"], snowed.events["energy"], 1e-3)
+
+
+def test_the_study_of_events_sees_what_decides(clean):
+    hours, spread, shares = study_events.decided(clean)
+    assert len(hours.number) > 3000 and 0.0 < spread < 0.1 and {*shares} == {*HAPPENS}
+    assert 0.0 < study_events.noise_of(hours, spread, shares, 6) < 1.0
 
 
 def test_many_events_are_an_effect_of_the_model(snowed):
