@@ -57,7 +57,7 @@ class Hours:
     energy : array
         Energy of the hour minus that expected. [kWh/kWp]
     portion : array
-        Rows over all rows of the record with a residual. [-]
+        Rows that count, over all rows of the record that do. [-]
     off : array of bool
         Hours without power, for another reason than snow.
     extra : dict of array
@@ -129,8 +129,10 @@ class Hours:
 
     def gain(self, some: slice) -> float:
         """Root of the fall of the mean square without the mean of some hours. [K]"""
-        portion = self.portion[some]
-        return float(abs(portion @ self.residual[some]) / np.sqrt(portion.sum()))
+        portion, residual = self.portion[some], self.residual[some]
+        if not portion.any():  # hours of frozen modules alone
+            return 0.0
+        return float(abs(portion @ residual) / np.sqrt(portion.sum()))
 
     def days(self) -> np.ndarray:
         """Hours before which another day, or a gap, begins."""

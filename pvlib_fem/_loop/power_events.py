@@ -55,7 +55,8 @@ def events_of(fits: "Fits", step: "Step") -> pd.DataFrame:
     residual = step.measured - without_power(step, model, inputs)
     # no fit has the hours of frozen modules, but power shows whether they are covered
     rows = (case.seen | frozen(record.inputs.columns)) & np.isfinite(residual)
-    total, count = float(residual[rows] @ residual[rows]), int(rows.sum())
+    total = float(residual[rows] @ residual[rows])
+    counts = case.seen & rows  # in the error that the loop reports
     rows &= np.isfinite(given[1] + given[2])
     poa, module, power, day = given
     expected = relation.expected(poa, module, day)
@@ -67,7 +68,7 @@ def events_of(fits: "Fits", step: "Step") -> pd.DataFrame:
         "expected": expected,
         "loss": inputs["loss_base"],
         "energy": (power - expected) / relation.nominal * row_hours(record.inputs),
-        "portion": np.full(len(residual), 1.0 / max(count, 1)),
+        "portion": counts / max(int(counts.sum()), 1),
         "off": inputs[off],
     }
     extra = {name: record[name] for name in EXTRA if name in record.inputs.columns}

@@ -83,7 +83,7 @@ def all_of(events: pd.DataFrame) -> str:
     count, hours = len(events), int(events["hours"].sum())
     words = (
         f"{count} event{'s' * (count > 1)}, {hours:,} h of light, "
-        f"{100 * events['share'].sum():.1f} % of the squared error"
+        f"{100 * events['share'].sum():.1f} % of the squared error of all hours"
     )
     energy = events["energy"].sum(skipna=False)  # files of before do not have it
     if np.isfinite(energy):

@@ -222,7 +222,8 @@ def test_weeks_of_snow_on_frozen_modules_are_events():
     lost = without["p_dc_per_area"] - data["p_dc_per_area"]
     frozen = data["temp_module"] < 0.0
     assert lost[frozen].sum() > 0.5 * lost.sum()
-    events = fem.close_loop(data.drop(columns=["snow_depth", "longwave_down"])).events
+    loop = fem.close_loop(data.drop(columns=["snow_depth", "longwave_down"]))
+    events = loop.events
     assert set(events["effect"]) == {"modules_covered"}
     within = pd.Series(False, data.index)
     for start, end in zip(events["start"], events["end"]):
@@ -230,6 +231,8 @@ def test_weeks_of_snow_on_frozen_modules_are_events():
     assert lost[within].sum() > 0.95 * lost.sum()
     change = lost.sum() * 0.25 / at_standard(without, "p_dc_per_area")
     assert events["energy"].sum() == pytest.approx(change, rel=0.1)
+    # what they take off the error that is reported is less than that
+    assert np.hypot.reduce(events["gain"]) < loop.table["rmse_train"]["balance"]
 
 
 def test_the_gain_of_an_event_is_what_its_mean_takes_off_the_error(clean):
