@@ -327,7 +327,8 @@ def test_what_to_measure_next_is_what_is_open_the_largest_first(closed, page):
     hours = "a column that records what happens between 9 and 16 h at weekends"
     assert hours in [what for what, _ in items]
     # the columns that were taken away, each with what it is for
-    assert ("p_dc_per_area", "would test electrical_output") in items[len(sizes) :]
+    by_power = "electrical_output, modules_covered, sensor_covered, outage"
+    assert ("p_dc_per_area", f"would test {by_power}") in items[len(sizes) :]
     assert ("snow_depth", "would test snow") in items[len(sizes) :]
 
 
@@ -343,9 +344,9 @@ def test_columns_that_test_most_come_first(record, place):
     assert "incidence_angle" in told[given]
     useless = record[list(COLUMNS)].assign(p_dc_per_area=100.0)
     told = dict(advice.to_measure(close_loop(useless, **place)))
-    assert (
-        told["p_dc_per_area"]
-        == "would test electrical_output; here p_dc_per_area is constant"
+    assert told["p_dc_per_area"] == (
+        "would test electrical_output, modules_covered, sensor_covered, outage; here "
+        "p_dc_per_area is constant"
     )
     assert not any(what.startswith("location") for what in told)
 
