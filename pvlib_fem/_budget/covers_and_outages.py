@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.ndimage import median_filter
 
 from pvlib_fem._budget.stretch_noise import DayNoise, Noise
 from pvlib_fem._budget.unusual_days import AROUND
@@ -116,15 +115,24 @@ class Hours:
         """
         Values minus their median at the same hour of the days around.
 
-        Hours with power far from irradiance are not usual: in weeks of snow they are
-        most, and hours without snow would stand out.
+        Where power is far from irradiance in most of these hours, as in weeks of snow,
+        the median is that of the others. Hours of frozen modules are in none, since no
+        fit has them.
         """
         usual, clock = np.zeros(len(values)), self.number % 24
+        counts = self.portion > 0.0
         for hour in np.unique(clock):
             rows = np.flatnonzero(clock == hour)
-            near = rows[~far[rows]] if not far[rows].all() else rows
-            medians = median_filter(values[near], 2 * AROUND + 1, mode="reflect")
-            usual[rows] = np.interp(self.number[rows], self.number[near], medians)
+            days = pd.to_timedelta(self.number[rows] // 24, unit="D")
+            every = pd.Series(np.where(counts[rows], values[rows], np.nan), days)
+            near = every.where(~far[rows])
+            every, near = (
+                some.rolling(f"{2 * AROUND + 1}D", center=True)
+                for some in (every, near)
+            )
+            most = near.count() > 0.5 * every.count()
+            median = every.median().where(most, near.median())
+            usual[rows] = median.interpolate(limit_direction="both").fillna(0.0)
         return values - usual
 
     def gain(self, some: slice) -> float:
@@ -197,16 +205,18 @@ class Deciding:
     def from_hours(cls, hours: Hours, spread: float, shares: dict) -> "Deciding":
         seen = hours.seen
         far = ~irradiances_agree(seen, hours.shown, spread)
+        # no fit has frozen modules, so they say nothing of what is usual
+        counts = hours.portion > 0.0
         apart = hours.beyond_usual((hours.shown - seen) / np.fmax(seen, LEAST), far)
         shown = np.where(far, hours.shown, seen * (1.0 + apart))
         faint = np.abs(shown - seen) > np.maximum(max(FAINT, 2.0 * spread) * seen, DIM)
-        state = np.where(far | faint, np.sign(shown - seen), 0.0).astype(int)
-        usual = state == 0
+        state = np.where(far | faint & counts, np.sign(shown - seen), 0.0).astype(int)
+        usual = counts & (state == 0)
         for _ in range(2):
             state = bridged(state, hours.days())
         strange = hours.beyond_usual(hours.residual, far)
-        days = DayNoise(strange, hours.number, state == 0)
-        noise = Noise(hours.residual[usual]), days, Noise(apart)
+        days = DayNoise(strange, hours.number, counts & (state == 0))
+        noise = Noise(hours.residual[usual]), days, Noise(apart[counts])
         return cls(hours, far, apart, shown, state, *noise, shares)
 
     def kind(self, some: slice) -> str:

@@ -30,6 +30,7 @@ from pvlib_fem._loop.prepare import another_plane, is_before_the_sun, prepared_c
 from pvlib_fem._loop.progress import stage_reporter
 from pvlib_fem._loop.references import (
     DailyDeviation,
+    compared_along,
     cross_checks,
     daily_deviations,
     log_likelihoods,
@@ -52,7 +53,6 @@ from pvlib_fem.drivers._planes import ByColumns
 from pvlib_fem.drivers._transposition import check_transposition
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.effects._time_profiles import is_dated
 from pvlib_fem.quality._module_lag import Clock
 from pvlib_fem.quality._plane import Plane
 from pvlib_fem.reasons import Because, Reason, because
@@ -538,8 +538,7 @@ class Search:
         selection, case = this.selection, self.case
         self.findings, self.choices = [], {}
         self.refused = [f for f in self.refused if f.effect in self.closed]
-        changes = any(is_dated(one.top.effect) for one in this.choices)
-        references = daily_deviations(case) if changes else []
+        references: list[DailyDeviation] = []
         chosen = [one for one in this.choices if one.top.name not in self.closed]
         step = plain
         reported: list[Choice] = []
@@ -547,6 +546,8 @@ class Search:
             others = [*reported, *chosen[1:]]
             given = selection.given(others)
             one = selection.weighed(chosen[0], others)
+            if not references and compared_along(one):
+                references = daily_deviations(case)
             one = with_probabilities(selection, one, given, references, coefficients)
             reported.append(one.as_first)
             chosen = chosen[1:]

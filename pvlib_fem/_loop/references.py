@@ -575,9 +575,9 @@ def log_likelihoods(
     """
     Log-likelihoods of the members of a choice, and of a cause outside, by references.
 
-    The deviation of a reference along the time profile of the best member is compared
-    with the deviation that each member predicts; a cause that is in no instrument
-    predicts none. Time profiles of one instrument are compared by the residual of the
+    The deviation of a reference along the time profile of the best dated member is
+    compared with the deviation that each member predicts; a cause that is in no
+    instrument predicts none, and an effect by a power what that power shows. Time profiles of one instrument are compared by the residual of the
     reference given each.
 
     Parameters
@@ -592,16 +592,19 @@ def log_likelihoods(
     dict of float
         By name, with :data:`~pvlib_fem._findings.OUTSIDE` among them.
     """
-    top = choice.top.effect
+    first = compared_along(choice)
     logs = dict.fromkeys([*choice.members, OUTSIDE], 0.0)
-    for one in references if is_dated(top) else ():
+    for one in references if first else ():
         names = one.concerned(choice)
-        shown = one.shown(choice, top, names, coefficients)
+        shown = one.shown(choice, first, names, coefficients)
         if shown is None:
             continue
         for name, worse in one.profiles([choice.members[n].effect for n in names]):
             logs[name] += worse
         size, error, expected, aged = shown
+        for name, member in choice.members.items():
+            if member.effect.settings.get("source") == one.column:
+                expected[name] = size + aged  # it follows whatever that power shows
         expected = dict.fromkeys(logs, 0.0) | expected
         broad = np.hypot(max(abs(value) for value in expected.values()), error)
         for name, value in expected.items():
@@ -610,6 +613,31 @@ def log_likelihoods(
             likely = (1.0 - ODD) * likely + ODD * density(size, broad)
             logs[name] += float(np.log(likely))
     return logs
+
+
+def compared_along(choice: "Choice") -> Effect | None:
+    """
+    The member along whose time profile references are compared.
+
+    Parameters
+    ----------
+    choice : Choice
+
+    Returns
+    -------
+    Effect or None
+        The best member, if it has a time profile; where the best one follows a power,
+        the best that has one; else None.
+    """
+    top, weights = choice.top.effect, choice.weights
+    if is_dated(top):
+        return top
+    if not is_power(top.settings.get("source", "")):
+        return None
+    for name in sorted(weights, key=lambda name: -weights[name]):
+        if is_dated(choice.members[name].effect):
+            return choice.members[name].effect
+    return None
 
 
 def cross_checks(
