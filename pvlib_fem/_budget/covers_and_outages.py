@@ -23,6 +23,7 @@ MOST = 3.0  # largest temperature difference, over that of the cover
 #: least difference of power, in standard deviations of means, if the temperature has to
 #: differ, too: by chance both do so once in decades
 BOTH = 3.0
+WINDOW = f"{2 * AROUND + 1}D"  # of days whose median is usual
 SEEN = 2.0  # least difference of temperature, in standard deviations of means
 SHARES = {"modules_covered": 1.0, "sensor_covered": 1.0, "outage": 0.2}
 TIMES = ("start", "end")
@@ -125,11 +126,8 @@ class Hours:
             rows = np.flatnonzero(clock == hour)
             days = pd.to_timedelta(self.number[rows] // 24, unit="D")
             every = pd.Series(np.where(counts[rows], values[rows], np.nan), days)
-            near = every.where(~far[rows])
-            every, near = (
-                some.rolling(f"{2 * AROUND + 1}D", center=True)
-                for some in (every, near)
-            )
+            near = every.where(~far[rows]).rolling(WINDOW, center=True)
+            every = every.rolling(WINDOW, center=True)
             most = near.count() > 0.5 * every.count()
             median = every.median().where(most, near.median())
             usual[rows] = median.interpolate(limit_direction="both").fillna(0.0)

@@ -576,9 +576,10 @@ def log_likelihoods(
     Log-likelihoods of the members of a choice, and of a cause outside, by references.
 
     The deviation of a reference along the time profile of the best dated member is
-    compared with the deviation that each member predicts; a cause that is in no
-    instrument predicts none, and an effect by a power what that power shows. Time profiles of one instrument are compared by the residual of the
-    reference given each.
+    compared with the deviation that each member predicts. A cause that is in no
+    instrument predicts none, and an effect by a power any that this power may show.
+    Time profiles of one instrument are compared by the residual of the reference given
+    each.
 
     Parameters
     ----------
@@ -594,7 +595,9 @@ def log_likelihoods(
     """
     first = compared_along(choice)
     logs = dict.fromkeys([*choice.members, OUTSIDE], 0.0)
-    for one in references if first else ():
+    if first is None:
+        return logs
+    for one in references:
         names = one.concerned(choice)
         shown = one.shown(choice, first, names, coefficients)
         if shown is None:
@@ -602,17 +605,21 @@ def log_likelihoods(
         for name, worse in one.profiles([choice.members[n].effect for n in names]):
             logs[name] += worse
         size, error, expected, aged = shown
-        for name, member in choice.members.items():
-            if member.effect.settings.get("source") == one.column:
-                expected[name] = size + aged  # it follows whatever that power shows
         expected = dict.fromkeys(logs, 0.0) | expected
         broad = np.hypot(max(abs(value) for value in expected.values()), error)
+        anything = density(size, broad)
         for name, value in expected.items():
             own = np.sqrt(error**2 + (SLACK * value) ** 2 + aged**2)
             likely = density(size - value + aged, own)
-            likely = (1.0 - ODD) * likely + ODD * density(size, broad)
-            logs[name] += float(np.log(likely))
+            if name != OUTSIDE and follows(choice.members[name].effect, one.column):
+                likely = anything
+            logs[name] += float(np.log((1.0 - ODD) * likely + ODD * anything))
     return logs
+
+
+def follows(effect: Effect, column: str) -> bool:
+    """Whether an effect takes from that power when it acts, and how much."""
+    return bool(effect.settings.get("source") == column)
 
 
 def compared_along(choice: "Choice") -> Effect | None:
