@@ -118,7 +118,7 @@ def circumstances(events: pd.DataFrame) -> str:
     words = f"; {len(within)} within a day, mostly from {first} to {last}"
     coldest, warmest = within["temp_air"].quantile([low, high])
     if np.isfinite(warmest):
-        words += f", in air of {coldest:.0f} to {warmest:.0f} °C"
+        words += f", in air of {round(coldest)} to {round(warmest)} °C"
     return words
 
 
@@ -142,7 +142,7 @@ def event_words(row: pd.Series | Mapping[Hashable, Any]) -> str:
     if np.isfinite(row["power"]):
         parts.append(f"{100 * max(row['power'], 0.0):.0f} % of the expected power")
     if np.isfinite(row.get("temp_air", np.nan)):
-        parts.append(f"air at {row['temp_air']:.0f} °C")
+        parts.append(f"air at {round(row['temp_air'])} °C")
     if np.isfinite(row.get("snow_depth", np.nan)):
         parts.append(f"{row['snow_depth']:.0f} cm of snow")
     return f"{event_span(row)}: {', '.join(parts)}"

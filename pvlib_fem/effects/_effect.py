@@ -131,9 +131,6 @@ class Effect:
         Whether it is a function of irradiance, air temperature, wind and sun
         alone. Several such effects can look alike, so they are reported as a
         class.
-    unseen_light : bool, default False
-        Whether it is light on the modules that the irradiance sensor does not get. A
-        reflection onto the modules, of which the catalogue has none, looks the same.
     title : str, optional
         The part of physics that a model without it does not have, as a noun phrase.
     decided_by : str, optional
@@ -171,6 +168,9 @@ class Effect:
         Name of the sensor fault or change of mounting that has a time profile.
     dates : object, optional
         ``dates(**dates)`` returns the effect with dates, for one that has none yet.
+    unseen_light : bool, default False
+        Whether it is light on the modules that the irradiance sensor does not get. A
+        reflection onto the modules, of which the catalogue has none, looks the same.
     """
 
     name: str
@@ -178,7 +178,6 @@ class Effect:
     parameters: Mapping[str, Parameter]
     columns: tuple | None = None
     confounder: bool = False
-    unseen_light: bool = False
     title: str = ""
     decided_by: str = ""
     settings: Mapping = field(default_factory=dict)
@@ -194,6 +193,7 @@ class Effect:
     turns: bool = False
     sensor_fault: str = ""
     dates: Any = None
+    unseen_light: bool = False
 
     @property
     def forms(self) -> "tuple[Effect, ...]":
