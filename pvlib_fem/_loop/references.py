@@ -577,9 +577,9 @@ def log_likelihoods(
 
     The deviation of a reference along the time profile of the best dated member is
     compared with the deviation that each member predicts. A cause that is in no
-    instrument predicts none, and an effect by a power any that this power may show.
-    Time profiles of one instrument are compared by the residual of the reference given
-    each.
+    instrument predicts none. An effect by a power predicts any that this power may
+    show, and so does a cause outside that looks like it. Time profiles of one
+    instrument are compared by the residual of the reference given each.
 
     Parameters
     ----------
@@ -611,7 +611,9 @@ def log_likelihoods(
         for name, value in expected.items():
             own = np.sqrt(error**2 + (SLACK * value) ** 2 + aged**2)
             likely = density(size - value + aged, own)
-            if name != OUTSIDE and follows(choice.members[name].effect, one.column):
+            # an imitation of an effect by this power shows in it, too
+            member = choice.top if name == OUTSIDE else choice.members[name]
+            if follows(member.effect, one.column):
                 likely = anything
             logs[name] += float(np.log((1.0 - ODD) * likely + ODD * anything))
     return logs
