@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -112,6 +113,11 @@ class Hours:
             **hourly,
         )
 
+    @cached_property
+    def counts(self) -> np.ndarray:
+        """Hours that say what is usual: no fit has those of frozen modules."""
+        return self.portion > 0.0
+
     def beyond_usual(self, values: np.ndarray, far: np.ndarray) -> np.ndarray:
         """
         Values minus their median at the same hour of the days around.
@@ -121,11 +127,10 @@ class Hours:
         fit has them.
         """
         usual, clock = np.zeros(len(values)), self.number % 24
-        counts = self.portion > 0.0
         for hour in np.unique(clock):
             rows = np.flatnonzero(clock == hour)
             days = pd.to_timedelta(self.number[rows] // 24, unit="D")
-            every = pd.Series(np.where(counts[rows], values[rows], np.nan), days)
+            every = pd.Series(np.where(self.counts[rows], values[rows], np.nan), days)
             near = every.where(~far[rows]).rolling(WINDOW, center=True)
             every = every.rolling(WINDOW, center=True)
             most = near.count() > 0.5 * every.count()
@@ -203,8 +208,7 @@ class Deciding:
     def from_hours(cls, hours: Hours, spread: float, shares: dict) -> "Deciding":
         seen = hours.seen
         far = ~irradiances_agree(seen, hours.shown, spread)
-        # no fit has frozen modules, so they say nothing of what is usual
-        counts = hours.portion > 0.0
+        counts = hours.counts
         apart = hours.beyond_usual((hours.shown - seen) / np.fmax(seen, LEAST), far)
         shown = np.where(far, hours.shown, seen * (1.0 + apart))
         faint = np.abs(shown - seen) > np.maximum(max(FAINT, 2.0 * spread) * seen, DIM)

@@ -30,9 +30,9 @@ from pvlib_fem._loop.prepare import another_plane, is_before_the_sun, prepared_c
 from pvlib_fem._loop.progress import stage_reporter
 from pvlib_fem._loop.references import (
     DailyDeviation,
-    compared_along,
     cross_checks,
     daily_deviations,
+    is_compared,
     log_likelihoods,
 )
 from pvlib_fem._loop.refit_checks import check_of_bounds
@@ -538,7 +538,8 @@ class Search:
         selection, case = this.selection, self.case
         self.findings, self.choices = [], {}
         self.refused = [f for f in self.refused if f.effect in self.closed]
-        references: list[DailyDeviation] = []
+        compared = any(is_compared(one.top.effect) for one in this.choices)
+        references = daily_deviations(case) if compared else []
         chosen = [one for one in this.choices if one.top.name not in self.closed]
         step = plain
         reported: list[Choice] = []
@@ -546,8 +547,6 @@ class Search:
             others = [*reported, *chosen[1:]]
             given = selection.given(others)
             one = selection.weighed(chosen[0], others)
-            if not references and compared_along(one):
-                references = daily_deviations(case)
             one = with_probabilities(selection, one, given, references, coefficients)
             reported.append(one.as_first)
             chosen = chosen[1:]

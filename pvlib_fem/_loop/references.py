@@ -613,40 +613,35 @@ def log_likelihoods(
             likely = density(size - value + aged, own)
             # an imitation of an effect by this power shows in it, too
             member = choice.top if name == OUTSIDE else choice.members[name]
-            if follows(member.effect, one.column):
+            if member.effect.settings.get("source") == one.column:
                 likely = anything
             logs[name] += float(np.log((1.0 - ODD) * likely + ODD * anything))
     return logs
 
 
-def follows(effect: Effect, column: str) -> bool:
-    """Whether an effect takes from that power when it acts, and how much."""
-    return bool(effect.settings.get("source") == column)
-
-
-def compared_along(choice: "Choice") -> Effect | None:
+def is_compared(effect: Effect) -> bool:
     """
-    The member along whose time profile references are compared.
+    Whether references are asked about a choice of which an effect is the best.
 
     Parameters
     ----------
-    choice : Choice
+    effect : Effect
 
     Returns
     -------
-    Effect or None
-        The best member, if it has a time profile; where the best one follows a power,
-        the best that has one; else None.
+    bool
+        True if it has a time profile, or follows a power.
     """
-    top, weights = choice.top.effect, choice.weights
-    if is_dated(top):
-        return top
-    if not is_power(top.settings.get("source", "")):
+    return is_dated(effect) or is_power(effect.settings.get("source", ""))
+
+
+def compared_along(choice: "Choice") -> Effect | None:
+    """The best member with a time profile; None if the choice is not compared."""
+    if not is_compared(choice.top.effect):
         return None
-    for name in sorted(weights, key=lambda name: -weights[name]):
-        if is_dated(choice.members[name].effect):
-            return choice.members[name].effect
-    return None
+    names = sorted(choice.weights, key=lambda name: -choice.weights[name])
+    effects = (choice.members[name].effect for name in names)
+    return next(filter(is_dated, (choice.top.effect, *effects)), None)
 
 
 def cross_checks(

@@ -51,8 +51,8 @@ def recover_events(
     Parameters
     ----------
     data : DataFrame
-        As in :func:`close_loop`, with ``power_dc``, ``p_dc_per_area`` or
-        ``power_ac``.
+        Record with the columns of :func:`close_loop`, ``power_dc``,
+        ``p_dc_per_area`` or ``power_ac`` among them.
     effects : str or sequence of str, default all three
         ``"modules_covered"``, ``"sensor_covered"``, ``"outage"``.
     size : float, default 3
