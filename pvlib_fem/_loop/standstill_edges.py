@@ -1,13 +1,17 @@
 """
-Days at the edges of a standstill that fall into test weeks.
+Standstills of which test weeks have a part.
 
 No decision sees the module temperature of those weeks. Power is seen: it falls by the
-light that modules miss while they are stuck. Without power such a week becomes a
-fitting week. The fitting weeks alone decide that, so what stays of the test weeks is
-as unseen as before.
+light that modules miss while they are stuck, and so shows at which days it begins and
+ends. A test week becomes a fitting week if a standstill may begin or end in it and
+there is no power, or if power shows one that hardly any other week has. The fitting
+weeks and power alone decide that, so what stays of the test weeks is as unseen as
+before.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -17,8 +21,11 @@ from pvlib_fem._loop.weeks import Part
 from pvlib_fem._record.column_names import is_power
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem.drivers import derive_drivers
+from pvlib_fem.drivers._plant_irradiance import light_shown
 from pvlib_fem.effects._effect import Effect
+from pvlib_fem.effects._standstill_days import SHORTEST
 from pvlib_fem.effects._time_profiles import date_text, day_number
+from pvlib_fem.power import fit_power_arrays
 
 WARMS = 0.03  # K/(W/m²), of a module over the air: its power needs no more
 AROUND = 30  # days before and after, that power is compared with
@@ -33,7 +40,10 @@ MOST = 0.5  # of the test days, that may become fitting days
 
 def edge_weeks(case: Case, effects: Iterable[Effect], before: int) -> np.ndarray:
     """
-    Test days of weeks in which a standstill may begin or end, unknown to power.
+    Test days of weeks that are needed for a standstill.
+
+    In these one may begin or end, unknown to power; or one that power shows has almost
+    all of its days in them, and the model has none.
 
     Parameters
     ----------
@@ -49,15 +59,92 @@ def edge_weeks(case: Case, effects: Iterable[Effect], before: int) -> np.ndarray
         Days since 1970-01-01; none if they are more than half of the test days.
     """
     test = np.unique(case.whole.dates[case.parts == Part.TEST])
-    unknown = np.zeros(len(test), dtype=bool)
-    for effect in (one for one in effects if one.turns):
+    needed = np.zeros(len(test), dtype=bool)
+    found = [one for one in effects if one.turns]
+    for effect in found:
         for name in ("between", "ended"):
-            low, high = map(day_number, effect.settings.get(name, (0, 0)))
-            unknown |= (test >= low) & (test < high)
-    unknown &= np.isin(test, without_power(case))
+            needed |= days_within(test, effect.settings.get(name, (0, 0)))
+    needed &= np.isin(test, without_power(case))
+    if not found:
+        for dates in hidden_standstills(case):
+            needed |= days_within(test, dates)
     weeks = calendar_weeks(test)
-    days = test[np.isin(weeks, weeks[unknown])]
+    days = test[np.isin(weeks, weeks[needed])]
     return days if len(days) + before <= MOST * (len(test) + before) else test[:0]
+
+
+def days_within(days: np.ndarray, dates: tuple) -> np.ndarray:
+    """Whether days are from the first date on, and before the last one."""
+    first, last = map(day_number, dates)
+    return (days >= first) & (days < last)
+
+
+def hidden_standstills(case: Case) -> Iterator[tuple[Any, Any]]:
+    """
+    Dates of standstills that power shows, and fewer than two fitting days.
+
+    Parameters
+    ----------
+    case : Case
+
+    Yields
+    ------
+    start, end : str
+        First day, and the first day after it.
+    """
+    fitting = np.unique(case.record.dates[case.searched & bright(case.record)])
+    for effect in case.wanted:
+        if effect.turns and effect.prepare:  # and has no given dates
+            found = standstill_by_power(case, effect)
+            dates = (found.settings["start"], found.settings["end"]) if found else ()
+            if dates and days_within(fitting, dates).sum() < SHORTEST:
+                yield dates
+
+
+def standstill_by_power(case: Case, effect: Effect) -> Effect | None:
+    """
+    A standstill that a power shows.
+
+    The light by power minus that on the sensor is searched as the remaining error of
+    the temperature is: what a cover explains as well is no standstill.
+
+    Parameters
+    ----------
+    case : Case
+    effect : Effect
+        A standstill, to be searched in the planes of the record.
+
+    Returns
+    -------
+    Effect or None
+    """
+    record = case.record
+    light = bright(record)
+    for name in filter(is_power, case.cross_check_columns):
+        try:
+            inputs = derive_drivers(record.inputs, ["day"])
+            ready = effect.prepare(inputs.columns, np.ones_like(light))
+            wide = ready.scanned_from
+            inputs = derive_drivers(inputs, wide.drivers)
+            poa, power, day = (inputs[key] for key in ("poa_global", name, "day"))
+            module = inputs["temp_air"] + WARMS * poa
+            relation = fit_power_arrays(poa, module, power, day)
+        except ValueError:  # the plane is fixed, or there is hardly any power
+            continue
+        by_power = light_shown(relation, poa, module, power, day)
+        full = replace(record, inputs=inputs)
+        known = light & np.isfinite(by_power) & full.complete_rows(wide.drivers)
+        columns = {key: inputs[key][known] for key in wide.drivers}
+        tangents = {
+            key: wide.at(columns, {**wide.start, key: 1.0}).heat for key in wide.rows()
+        }
+        tangents["poa_global"] = poa[known]
+        weeks = calendar_weeks(record.dates[known])
+        least = relation.spread * np.sqrt(np.mean(poa[known] ** 2))
+        rest = (by_power - poa)[known]
+        if (found := ready.scan(rest, tangents, columns, weeks, least)) is not None:
+            return found
+    return None
 
 
 def without_power(case: Case) -> np.ndarray:

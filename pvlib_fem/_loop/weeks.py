@@ -86,7 +86,7 @@ def parts_of_rows(
 
 def fitted_weeks(spared: Collection[int]) -> Iterator[str]:
     """
-    A line on each week that would be a test week if no standstill had an edge.
+    A line on each week that would be a test week without a standstill.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def fitted_weeks(spared: Collection[int]) -> Iterator[str]:
     for first in sorted(weeks.values()):
         yield (
             f"the week from {date_text(first)} on is fitted and not a test week: "
-            "modules may have begun or ended to be stuck in it"
+            "modules may have been stuck on some of its days"
         )
 
 

@@ -1,7 +1,7 @@
 """Days on which irradiance is that of a plane that stands, while a record's turns."""
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ CLEAR = 0.1  # of a day's irradiance, root mean square, by which a clear day may
 BETTER = 4.0  # times as much as in its own plane a day leaves in one that is not
 FEWEST = 2  # clear days in one plane
 ALIKE = 10.0  # ° within which planes of several days are one
+HAZES = 1.0, 2.0, 4.0  # times the light of a clear sky without its sun
 FEWEST_ROWS = 10  # of a day with the sun up
 BETWEEN = np.linspace(0.0, 1.0, 11)  # of the way from a plane to the next
 
@@ -137,11 +138,20 @@ def standing_of(
     )
 
 
+def skies_with_haze(sky: Any) -> list:
+    """The clear sky with more diffuse light: that of dusty air has several times it."""
+    return [replace(sky, sky=haze * sky.sky) for haze in HAZES]
+
+
 def residual_by_day(sky: Any, plane: Any) -> np.ndarray:
-    """Relative residual of each day against a clear sky in a plane. [-]"""
-    modelled = sky.on_plane(plane)
-    columns = sky.poa**2, modelled**2, sky.poa * modelled
-    return relative_residual(*(np.bincount(sky.day, column) for column in columns))
+    """Least relative residual of each day against clear skies in a plane. [-]"""
+    least = np.inf
+    for one in skies_with_haze(sky):
+        light = one.on_plane(plane)
+        columns = sky.poa**2, light**2, sky.poa * light
+        sums = (np.bincount(sky.day, column) for column in columns)
+        least = np.minimum(least, relative_residual(*sums))
+    return np.asarray(least)
 
 
 def relative_residual(whole: Any, square: Any, both: Any) -> np.ndarray:
@@ -176,21 +186,23 @@ def nearest_by_day(sky: Any, planes: Any, turns: Any) -> tuple[Any, Any]:
 
     whole = by_day(sky.poa**2)
     best, at = np.full(len(whole), np.inf), np.full(len(whole), turns[0])
-    light = sky.on_plane(planes[0])
-    square, both = by_day(light**2), by_day(sky.poa * light)
-    for i, plane in enumerate(planes[1:]):
-        after = sky.on_plane(plane)
-        crossed = by_day(light * after)
-        squares, boths = by_day(after**2), by_day(sky.poa * after)
-        for share in BETWEEN:
-            rest = 1.0 - share
-            products = rest**2 * square + 2.0 * rest * share * crossed
-            products += share**2 * squares
-            residual = relative_residual(whole, products, rest * both + share * boths)
-            turn = rest * turns[i] + share * turns[i + 1]
-            at = np.where(residual < best, turn, at)
-            best = np.minimum(residual, best)
-        light, square, both = after, squares, boths
+    for one in skies_with_haze(sky):
+        light = one.on_plane(planes[0])
+        square, both = by_day(light**2), by_day(sky.poa * light)
+        for i, plane in enumerate(planes[1:]):
+            after = one.on_plane(plane)
+            crossed = by_day(light * after)
+            squares, boths = by_day(after**2), by_day(sky.poa * after)
+            for share in BETWEEN:
+                rest = 1.0 - share
+                products = rest**2 * square + 2.0 * rest * share * crossed
+                products += share**2 * squares
+                cross = rest * both + share * boths
+                residual = relative_residual(whole, products, cross)
+                turn = rest * turns[i] + share * turns[i + 1]
+                at = np.where(residual < best, turn, at)
+                best = np.minimum(residual, best)
+            light, square, both = after, squares, boths
     return best, at
 
 

@@ -283,6 +283,22 @@ def test_power_shows_the_days_of_test_weeks(at_an_edge):
     assert dates_of(loop) == (EDGE.start, EDGE.end)
 
 
+def test_a_standstill_within_a_test_week_is_found_if_power_shows_it():
+    """No fitting week has it, so that without power nothing says that it is there."""
+    data = tracking(Stuck("2023-05-29", "2023-06-04", -40.0), "tracker_stuck", seed=5)
+    week = slice("2023-05-29", "2023-06-03")
+    loop = fem.close_loop(data[[*USUAL, "p_dc_per_area"]], location=WHERE)
+    assert dates_of(loop) == ("2023-05-29", "2023-06-04")
+    assert (loop.weeks[week] == "fitting").all()
+    assert "the week from 2023-05-29 on is fitted" in "\n".join(loop.notes)
+    plain = fem.close_loop(data[USUAL], location=WHERE)
+    assert "tracker_stuck" not in {one.name for one in plain.fit.effects}
+    assert (plain.weeks[week] == "test").all()
+    hidden = data.assign(temp_module=data["temp_module"].where(plain.weeks != "test"))
+    moved = fem.close_loop(hidden[[*USUAL, "p_dc_per_area"]], location=WHERE)
+    assert (moved.weeks[week] == "fitting").all()
+
+
 def test_a_week_in_which_a_standstill_begins_is_fitted(at_an_edge, without_power):
     """Unless the test weeks are given: then its days there are not known."""
     loop = without_power
@@ -432,8 +448,13 @@ def test_light_of_the_described_plane_is_no_standstill(effects):
 
 
 @pytest.mark.parametrize("angle", [-40.0, -35.0, 12.0, 17.5])
-def test_the_plane_of_a_day_is_between_those_that_are_tried(angle):
-    """A plane that is tried is up to 5° away, and would leave 7 % of a clear day."""
+@pytest.mark.parametrize("haze", [1.0, 3.0])
+def test_the_plane_of_a_day_is_between_those_that_are_tried(angle, haze):
+    """
+    A plane that is tried is up to 5° away, and would leave 7 % of a clear day.
+
+    Three times the diffuse light, as of dusty air, is no other plane.
+    """
     times = pd.date_range("2023-06-01", periods=5 * 96, freq="15min", tz=RHINE.tz)
     place = geometry(times, WHERE)
     zenith, azimuth = (place[f"solar_{name}"].to_numpy() for name in ANGLES)
@@ -441,7 +462,8 @@ def test_the_plane_of_a_day_is_between_those_that_are_tried(angle):
     day = times.dayofyear.to_numpy()[up]
     sky = Sky.from_rows(np.ones(up.sum()), zenith[up], azimuth[up], day, WHERE)
     planes = Axis(np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])).planes
-    sky = replace(sky, poa=0.8 * sky.on_plane(planes(np.array([angle]))[0]))
+    hazy = replace(sky, sky=haze * sky.sky)
+    sky = replace(sky, poa=0.8 * hazy.on_plane(planes(np.array([angle]))[0]))
     turns = np.linspace(-60.0, 60.0, 13)
     residual, at = nearest_by_day(sky, planes(turns), turns)
     assert residual.max() < 0.02
