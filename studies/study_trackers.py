@@ -50,8 +50,8 @@ weeks. Where a standstill begins or ends in one, power shows its days there. Wit
 power that week becomes a fitting week; the fitting weeks around it decide this. It was
 so in {moved} records. All errors of a record are of its remaining test weeks, that of
 the refit with the truth included. A standstill that power shows, but fewer than two
-fitting days, makes its test weeks fitting weeks, too. Without power it is not found. The
-refit with the truth knows its days."""
+fitting days, makes its test weeks fitting weeks, too. Without power it is not found.
+The refit with the truth knows its days."""
 
 
 SIZES = """\
