@@ -363,6 +363,10 @@ of seeds 31000 to 31060.
 `tests/public/test_study.py` takes a part of the worlds of shift 0. On
 other seeds nothing was set.
 
+A reflection onto the modules, which has no effect in the catalogue, counts as said if a
+statement says that a surface may reflect light onto the modules. The time since rain
+counts as the precipitation that it is computed from.
+
 A confounder counts as found when it is a candidate of any ambiguous finding. Physics
 itself leaves such findings, so only an `identified` finding can be a false name.
 `modules_covered` is snow or shade on the modules that power shows, so it counts as

@@ -464,7 +464,8 @@ def no_driver(count=20):
 
 def ties(count=10):
     kinds = [
-        dict(sizes={"rear_irradiance": 3.0}),
+        # the back absorbs 0.9 of the light on it, as that of a bifacial module
+        dict(sizes={"rear_irradiance": 1.5}),
         dict(sizes={"poa_misalignment": 8.0}),
         dict(sizes={"sky_radiation": 1.0}, also={"irradiance_offset": 2.0}),
         dict(sizes={"sky_radiation": 1.0}, offset=1.5),

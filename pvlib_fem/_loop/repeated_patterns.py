@@ -10,7 +10,7 @@ from pvlib_fem._loop.design import FEWEST_WEEKS, Hours
 from pvlib_fem._loop.predicted_patterns import Pattern, drivers_of
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, is_power
 from pvlib_fem._record.inputs import Record
-from pvlib_fem._statistics.axes import PAST, axes, calendar_of
+from pvlib_fem._statistics.axes import PAST, SINCE_RAIN, axes, calendar_of
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem._statistics.tables import Cells, Table, axes_and_pairs, largest_table
 from pvlib_fem.drivers import derive_drivers, underived
@@ -28,9 +28,9 @@ def repeated_tables(fits: "Fits", step: "Step", least: float) -> list[Table]:
     """
     Tables of the residual of a step on the fitting weeks, the strongest first.
 
-    Tables of clock, calendar and present columns come first. Then tables of
-    their residual, with the past of irradiance and air. Each is estimated given all
-    others (backfitting [1]_).
+    Tables of clock, calendar, present columns and hours since rain come first, then
+    tables of their residual with the past of irradiance and air. Each is estimated
+    given all others (backfitting [1]_).
 
     Parameters
     ----------
@@ -84,8 +84,10 @@ def places_of(
     record: Record, rows: np.ndarray, hours: Hours, drivers: tuple
 ) -> dict[str, np.ndarray]:
     """Mean of each driver in cells of an hour, NaN with a gap, and their calendar."""
-    inputs = derive_drivers(record.inputs, list(PAST))
-    names = {*COLUMNS[:3], *GEOMETRY, *drivers, *PAST} & {*inputs.columns}
+    rain = {SINCE_RAIN} if "precipitation" in drivers else set()
+    past = [*PAST, *sorted(rain)]
+    inputs = derive_drivers(record.inputs, past)
+    names = {*COLUMNS[:3], *GEOMETRY, *drivers, *past} & {*inputs.columns}
     # predictions from weather have no power
     names = {name for name in names if not is_power(name)}
     columns = {name: inputs[name][rows] for name in sorted(names)}

@@ -408,7 +408,10 @@ def sensor_covered(effect: Effect, numbers: Numbers) -> Clause:
         "snow, leaves or shade cover the irradiance sensor for hours, and power and "
         "temperature are both high for what it reads"
     )
-    action = "Look from the irradiance sensor for what covers or shades it"
+    action = (
+        "Look from the irradiance sensor for what covers or shades it, and from the "
+        "modules for a reflecting surface"
+    )
     return Clause("irradiance sensor", words, action, **only_size(effect, numbers))
 
 

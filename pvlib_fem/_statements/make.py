@@ -22,6 +22,7 @@ from pvlib_fem._report import budget_text as budget, event_text as events
 from pvlib_fem._statements.causes import MODEL, MODULES, Clause, clause_of
 from pvlib_fem._statements.clock_sentences import APPLIED, clock_statement
 from pvlib_fem._statements.statement import DAYS, Statement, key_of
+from pvlib_fem._statistics.axes import PAST, SINCE_RAIN
 from pvlib_fem.effects import find
 from pvlib_fem.effects._effect import Effect, deciding_measurements
 from pvlib_fem.effects._standstill import in_words
@@ -33,12 +34,18 @@ if TYPE_CHECKING:
     from pvlib_fem._loop.loop_result import Loop
 
 PATTERN = "unexplained pattern"
-#: inputs of the past hours, which no one can look up at a site
-STORED = ("poa_stored_1h", "poa_stored_3h", "air_stored")
 MEASURE_STORE = (
     "Measure the temperature of what stores heat near the modules for hours, such as "
     "the roof, the ground or the cavity behind them"
 )
+MEASURE_WET = (
+    "Measure the temperature of what stays wet after rain near the modules, such as "
+    "the roof, the ground or the modules themselves"
+)
+#: what to measure, by inputs of the past hours, which no one can look up at a site
+MEASURES = {**dict.fromkeys(PAST, MEASURE_STORE), SINCE_RAIN: MEASURE_WET}
+#: what the catalogue has not, and looks as light that the irradiance sensor misses
+REFLECTED = Clause(MODULES, "a surface nearby reflects light onto the modules")
 HALF = 0.5  # of its days, on which modules stand out that do not stand with a sensor
 STUCK = "sensor_stuck"  # cause of a tracker's irradiance sensor that does not turn
 LEFT_OUT = "left out"  # verdict of what is not used
@@ -114,14 +121,20 @@ def finding_statement(finding: Finding, loop: "Loop") -> Statement:
         clause_or_name(name, effect, finding, loop)
         for name, effect in zip(finding.candidates, effects)
     ]
-    main = clauses[0]
+    main, known = clauses[0], [effect for effect in effects if effect is not None]
+    action = action_of(finding, clauses, known)
+    outside = OUTSIDE_WORDS
+    # light that modules have and the sensor has not may also be more of theirs
+    unseen = any(effect.unseen_light for effect in known)
+    if unseen and finding.probabilities.get(OUTSIDE, 0.0) >= LEAST:
+        clauses, outside = [*clauses, REFLECTED], "a reflection"
     return Statement(
         cause=finding.effect,
         device=" or ".join(dict.fromkeys(clause.device for clause in clauses)),
         verdict=str(finding.verdict),
         text=finding_sentence(finding, clauses),
-        action=action_of(finding, clauses, [e for e in effects if e is not None]),
-        certainty=certainty_of(finding),
+        action=action,
+        certainty=certainty_of(finding, outside),
         gain=finding.gain,
         probability=finding.probabilities.get(finding.effect, np.nan),
         alternatives=tuple(n for n in finding.candidates if n != finding.effect),
@@ -184,8 +197,8 @@ def words_of(clause: Clause, place: str = "") -> str:
     return clause.words
 
 
-def certainty_of(finding: Finding) -> str:
-    """How sure a finding is, in words."""
+def certainty_of(finding: Finding, outside: str = OUTSIDE_WORDS) -> str:
+    """How sure a finding is, in words; ``outside`` are those of a cause outside."""
     checks = [
         f"{check.column} {'agrees' if agrees else 'contradicts ' + check.effect} "
         f"({check.reads})"
@@ -199,16 +212,16 @@ def certainty_of(finding: Finding) -> str:
         words = f" (probability {in_percent(share)})" if share is not None else ""
         return f"Identified{words}{agree}"
     if finding.verdict is Verdict.AMBIGUOUS:
-        return f"Ambiguous{shares_of(finding)}{agree}"
+        return f"Ambiguous{shares_of(finding, outside)}{agree}"
     return f"A hint, not in the model: {finding.why}"
 
 
-def shares_of(finding: Finding) -> str:
+def shares_of(finding: Finding, outside: str) -> str:
     """Probabilities of the causes in their order, and of a cause outside."""
     known = finding.probabilities
     parts = [in_percent(known[n]) for n in finding.candidates if n in known]
     if known.get(OUTSIDE, 0.0) >= LEAST:
-        parts.append(f"{OUTSIDE_WORDS} {in_percent(known[OUTSIDE])}")
+        parts.append(f"{outside} {in_percent(known[OUTSIDE])}")
     return f" ({', '.join(parts)})" if parts else ""
 
 
@@ -238,7 +251,7 @@ def pattern_statement(finding: Finding, predicted: bool = False) -> Statement:
     """
     mean = finding.coefficients.get("mean", np.nan)
     way = "warmer" if mean > 0 else "colder"
-    follows_past = any(name in STORED for name in finding.where)
+    measures = [MEASURES[name] for name in finding.where if name in MEASURES]
     return Statement(
         cause=finding.effect,
         device=PATTERN,
@@ -248,11 +261,7 @@ def pattern_statement(finding: Finding, predicted: bool = False) -> Statement:
             f"{finding.place}, where the modules are {abs(mean):.2f} K {way} than "
             "modelled"
         ),
-        action=(
-            MEASURE_STORE
-            if follows_past
-            else f"Record a quantity that changes {finding.place}"
-        ),
+        action=(measures or [f"Record a quantity that changes {finding.place}"])[0],
         certainty="No known cause; loop.predict includes it" * predicted,
         gain=finding.gain,
         value=mean,

@@ -22,6 +22,8 @@ PAST = {
     "poa_stored_3h": ("the irradiance", "3 h", "W/m²"),
     "air_stored": ("the air temperature", "3 h", "K"),
 }
+SINCE_RAIN = "hours_since_rain"  # and driver
+DRY = 72.0  # h after rain, which have their bin with all later ones
 #: names of axes that are not columns
 CLOCK = ("hour", "weekend", "month")
 MONTHS = (
@@ -50,12 +52,21 @@ def past_words(name: str, start: Any, end: Any) -> str:
     return f"where {what} of the past {span} was {than} than now"
 
 
+def rain_words(start: Any, end: Any) -> str:
+    """Words for a part of the time after rain."""
+    if end >= DRY:
+        return f"from {start:.2g} h after rain on"
+    return f"from {start:.2g} to {end:.2g} h after rain"
+
+
 def column_words(name: str, start: float | str, end: float | str) -> str:
     """Words for a part of a column's range; missing values are in the last bin."""
     if start == "missing":
         return f"where {name} is missing"
     if name in PAST and end != "missing":
         return past_words(name, start, end)
+    if name == SINCE_RAIN:
+        return rain_words(start, end)
     if name == "wind_direction":
         sectors = f"from {start}" + ("" if start == end else f" to {end}")
         return f"with wind {sectors}".replace("to missing", "on, or unknown")

@@ -44,6 +44,7 @@ from pvlib_fem.drivers._solar import (
 from pvlib_fem.drivers._water import (
     days_since_rain,
     film_vapour,
+    hours_since_rain,
     snow_cover,
     snow_left,
     wetness,
@@ -76,6 +77,7 @@ DERIVED = {
     ),
     "wetness": (("precipitation",), wetness),
     "days_since_rain": (("precipitation",), days_since_rain),
+    "hours_since_rain": (("precipitation",), hours_since_rain),
     "snow_cover": (("snow_depth", "temp_air", "poa_global"), snow_cover),
     "snow_left": (("snow_cover", "snow_depth", "temp_air", "poa_global"), snow_left),
     "frost_past_day": (("temp_air",), frost_past_day),

@@ -152,6 +152,31 @@ def days_since_rain(
     return np.clip((seconds - last) / DAY - grace, 0.0, dirtiest)
 
 
+def hours_since_rain(
+    precipitation: np.ndarray, inputs: Inputs, *, longest: float = 72.0
+) -> np.ndarray:
+    """
+    Time since the last rain; a record begins dry. [h]
+
+    Parameters
+    ----------
+    precipitation : array, shape (rows,)
+        NaN counts as no rain. [mm/h]
+    inputs : Inputs
+        For the times.
+    longest : float, default 72
+        Time after which all is dry. [h]
+
+    Returns
+    -------
+    array, shape (rows,)
+        From 0 to ``longest``.
+    """
+    falls = np.nan_to_num(precipitation) > 0.0
+    last = np.maximum.accumulate(np.where(falls, inputs.seconds, -np.inf))
+    return np.minimum((inputs.seconds - last) / HOUR, longest)
+
+
 def snow_cover(
     snow_depth: np.ndarray,
     temp_air: np.ndarray,

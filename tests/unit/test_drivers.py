@@ -243,6 +243,16 @@ def test_what_is_stored_vanishes_where_nothing_changes(name):
     np.testing.assert_allclose(derived({column: later}, name)[name][720:], want)
 
 
+def test_hours_count_from_the_last_rain_up_to_three_days():
+    """A record begins dry, and a gap of the gauge is no rain."""
+    index = pd.date_range("2023-01-01", periods=6 * 24, freq="1h")
+    rain = pd.Series(0.0, index)
+    rain.iloc[30:33], rain.iloc[40] = 0.2, np.nan
+    hours = derived({"precipitation": rain}, "hours_since_rain")["hours_since_rain"]
+    assert (hours[:30] == 72.0).all() and (hours[30:33] == 0.0).all()
+    np.testing.assert_allclose(hours[33:], np.minimum(np.arange(1, 112), 72.0))
+
+
 def test_the_year_begins_in_january():
     index = pd.DatetimeIndex(["2023-01-01 00:00", "2023-07-02 12:00"])
     inputs = read({"poa_global": pd.Series(0.0, index)})
@@ -266,7 +276,10 @@ def test_what_is_missing_stays_missing(plant):
         assert there[~missing].all(), name
         if {*behind} & {"power_dc", "power_ac"}:  # none in the dark is no gap
             missing = missing & (holes["poa_global"] > 50.0).to_numpy()
-        if name != "days_since_rain":  # no rain is known of rows without a gauge
+        if name not in (
+            "days_since_rain",
+            "hours_since_rain",
+        ):  # no rain is known of rows without a gauge
             assert not there[missing].any(), name
 
 

@@ -51,6 +51,25 @@ def test_they_take_most_of_an_unknown_cause_out_of_test_weeks(closed):
     assert causes - patterns > 0.75 * (causes - without**2)
 
 
+def test_what_rain_leaves_behind_follows_the_time_since_rain():
+    """Wet ground behind the modules, for a day or two; no column has it."""
+    how = dict(days=300, step=1800, seed=4, start="2023-03-01")
+    site = replace(RHINE, rain_days=0.3)
+    data = simulator.record(site, effects=PHYSICS | {"puddles": 3.0}, **how)
+    data = data[[*USUAL, "precipitation"]]
+    loop = fem.close_loop(data, **PLACE)
+    assert loop.patterns[0].name == "hours_since_rain × poa_global"
+    before, after = (loop.table.loc[n, "rmse_test"] for n in (loop.last, "+patterns"))
+    assert after**2 < 0.5 * before**2
+    (text,) = (t for t in loop.statements["text"] if "after rain" in t)
+    assert "from 0 to " in text and "colder than modelled" in text
+    dry = data.assign(precipitation=0.0)
+    with pytest.raises(ValueError, match="precipitation"):
+        loop.predict(data[USUAL[:3]])
+    wet = (loop.predict(data) - loop.predict(dry))[data["poa_global"] > 500.0]
+    assert wet.min() < -0.5 and wet.max() < 0.5
+
+
 def test_they_are_those_that_are_reported(closed):
     _, loop = closed
     assert [one.effect for one in loop.unexplained]

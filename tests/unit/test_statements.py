@@ -150,6 +150,7 @@ def test_the_days_between_which_a_fault_began_follow_its_first_day(end, last):
         ("hour", "Record a quantity that changes between 7 and 9"),
         ("poa_stored_3h", "Measure the temperature of what stores heat"),
         ("air_stored", "Measure the temperature of what stores heat"),
+        ("hours_since_rain", "Measure the temperature of what stays wet after rain"),
     ],
 )
 def test_a_pattern_of_past_hours_asks_for_what_stores_heat(name, action):
@@ -161,6 +162,21 @@ def test_a_pattern_of_past_hours_asks_for_what_stores_heat(name, action):
         place="between 7 and 9",
     )
     assert pattern_statement(pattern).action.startswith(action)
+
+
+def test_light_that_the_sensor_misses_may_be_a_reflection():
+    """The catalogue has no reflection onto the modules; it looks the same."""
+    on = simulator.PHYSICS | {"reflection": 1.0}
+    data = simulator.record(effects=on, days=300, step=1800.0, seed=4)
+    data = data[[*COLUMNS, "p_dc_per_area"]]
+    site = simulator.RHINE
+    where = Location(site.latitude, site.longitude, tz=site.tz)
+    loop = fem.close_loop(data, location=where, surface_tilt=35, surface_azimuth=180)
+    one = loop.statements.iloc[0]
+    assert one["cause"] in ("shading", "sensor_covered")
+    assert one["device"] == "irradiance sensor or modules"
+    assert one["text"].endswith("a surface nearby reflects light onto the modules")
+    assert "a reflection 4" in one["certainty"]
 
 
 def test_an_ambiguous_finding_names_all_causes_and_what_would_decide(ambiguous):  # noqa: F811

@@ -146,6 +146,15 @@ def test_rows_without_a_driver_are_a_bin_of_their_own(name):
     assert "missing" in axis.words([last], 0.1)
 
 
+def test_a_pattern_after_rain_says_that_in_words():
+    hours = RANDOM.uniform(0.0, 72.0, len(SUN))
+    wet = strongest(-3.0 * (hours < 20.0) + noise(), {}, {"hours_since_rain": hours})
+    assert re.fullmatch(r"from 0(\.\d+)? to (19|20|21|22) h after rain", wet.where)
+    axis = sorted_by("hours_since_rain", np.minimum(2.0 * hours, 72.0))
+    last = [len(axis.labels) - 1]
+    assert re.fullmatch(r"from \d+ h after rain on", axis.words(last, 0.1))
+
+
 def test_a_pattern_of_the_past_says_that_in_words():
     now = np.maximum(SUN, 0.0)
     late = {
