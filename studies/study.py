@@ -371,7 +371,7 @@ A confounder counts as found when it is a candidate of any ambiguous finding. Ph
 itself leaves such findings, so only an `identified` finding can be a false name.
 `modules_covered` is snow or shade on the modules that power shows, so it counts as
 `snow` and as `shading` where these were added; `sensor_covered` counts as shade on the
-sensor.
+sensor, and `outage` as electrical output that is curtailed to nothing.
 
 The coefficient of shade is compared with the share of the beam that the drawn obstacle
 blocks. The effect estimates the beam by Erbs from irradiance in the plane alone. If a
