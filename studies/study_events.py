@@ -141,13 +141,14 @@ def page(tables, noises, rates, nulls, given):
     head = ("record", *(f"`{kind}`" for kind in KINDS), "of these, even covers", "all")
     yield f"| {' | '.join([*head, f'bar: {FOUND:.0%}'])} |"
     yield "|---" * (len(head) + 1) + "|"
-    for name, table in tables.items():
+    known = {f"`{name}`": table for name, table in tables.items()}
+    for name, table in {**known, "together": pd.concat(tables.values())}.items():
         cells = [counted(table[table["effect"] == kind]) for kind in KINDS]
         covers = table[table["effect"] == "modules_covered"]
         even = covers[np.isclose(covers["light"], covers["power"])]
         met = "met" if table["found"].mean() >= FOUND else "**missed**"
         cells += [counted(even), counted(table), met]
-        yield f"| `{name}` | {' | '.join(cells)} |"
+        yield f"| {name} | {' | '.join(cells)} |"
     yield ""
     yield "| record | noise | can count | false in a year |"
     yield "|---|---|---|---|"
