@@ -419,15 +419,6 @@ def years_to_end(effect: Effect) -> float | None:
     return years_of_increase(effect.settings) if is_drift(effect) else None
 
 
-def date_interval(effect: Effect) -> tuple[float, ...] | None:
-    """Days between which a change began; None for a trend from the first day."""
-    dates = effect.settings
-    begin = dates.get("at") or dates.get("start")
-    if begin is None:
-        return None
-    return tuple(day_number(day) for day in dates.get("between") or (begin, begin))
-
-
 def along_all(sensor_fault: Effect) -> tuple[Effect, ...]:
     """
     The effects of a sensor fault with every time profile.
