@@ -147,8 +147,8 @@ TRUTHS = {
     "tracker_stuck": Truth("tracker_stuck", "share", 1.0, sizes=(1.0,)),
 }
 #: effects that power shows, whose words have these causes in one: "snow, leaves or
-#: shade", on the modules or on the irradiance sensor. Power that is curtailed to nothing
-#: is "hours in which the plant gives no power".
+#: shade", on the modules or on the irradiance sensor. Power that is curtailed to
+#: nothing is "hours in which the plant gives no power".
 COVERS = {
     "modules_covered": ("snow", "shading"),
     "sensor_covered": ("shading_sensor",),

@@ -126,7 +126,7 @@ correction_options = with_options(
         multiple=True,
         metavar="NAME",
         help="The cause of an ambiguous finding, such as irradiance_sensor_step, for "
-        "--corrected; once for each.",
+        "--corrected; once for each. FINDING=NAME where two have the same causes.",
     ),
 )
 ceiling_option = output(

@@ -32,7 +32,7 @@ def corrected_record(
     loop : Loop
     data : DataFrame
         The record of the loop, or a part of it, as it was measured.
-    resolve : str or sequence of str, optional
+    resolve : str, sequence of str, or dict of str, optional
         Causes of ambiguous findings.
 
     Returns

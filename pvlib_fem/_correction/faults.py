@@ -1,6 +1,6 @@
 """Which findings of a loop are taken out of its record."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -30,15 +30,15 @@ class Fault:
         )
 
 
-def faults_to_correct(loop: Any, resolve: tuple) -> list:
+def faults_to_correct(loop: Any, resolve: Any) -> list:
     """
     The findings in the model as faults, ambiguous ones by the member to apply.
 
     Parameters
     ----------
     loop : Loop
-    resolve : str or sequence of str
-        Causes of ambiguous findings.
+    resolve : str, sequence of str, or dict of str
+        Causes of ambiguous findings; a dict has them by the finding.
 
     Returns
     -------
@@ -51,25 +51,12 @@ def faults_to_correct(loop: Any, resolve: tuple) -> list:
     ValueError
         If ``resolve`` has a name that is no candidate, or two of one finding.
     """
-    names = [resolve] if isinstance(resolve, str) else [*resolve]
-    names = [in_new_names(name) for name in names]
     added = [finding for finding in loop.finding_objects if finding.added]
-    there = [name for finding in added for name in finding.candidates]
-    if strange := [name for name in names if name not in there]:
-        known = [n for f in added if len(f.candidates) > 1 for n in f.candidates]
-        raise ValueError(
-            f"resolve has {strange[0]!r}, which is no candidate of an ambiguous "
-            f"finding; there are {', '.join(known) or 'none'}"
-        )
+    causes = causes_by_finding(added, resolve)
     effects = {effect.name: effect for effect in loop.fit.effects}
     faults = []
     for finding in filter(is_of_instrument, added):
-        mine = [name for name in finding.candidates if name in names]
-        if len(mine) > 1:
-            raise ValueError(
-                f"resolve has {' and '.join(mine)}, which are candidates of one "
-                "finding; give one of them"
-            )
+        mine = causes[finding.effect]
         if len(finding.candidates) > 1 and not mine:
             words = " | ".join(finding.candidates)
             why = f"it is ambiguous: {words}; name the cause with resolve= (--resolve)"
@@ -81,6 +68,53 @@ def faults_to_correct(loop: Any, resolve: tuple) -> list:
             effect = find({"name": mine[0], **member.settings})
             faults.append(Fault.from_finding(effect, member))
     return faults
+
+
+def causes_by_finding(added: Sequence[Finding], resolve: Any) -> dict[str, list[str]]:
+    """
+    The given cause of each finding, if there is one.
+
+    Parameters
+    ----------
+    added : sequence of Finding
+        Findings in the model.
+    resolve : str, sequence of str, or dict of str
+        Causes: for all findings that have them as candidates, as ``"cause"``, or for
+        one finding, as ``{"finding": "cause"}`` or ``"finding=cause"``.
+
+    Returns
+    -------
+    dict of list of str
+        By the name of the finding, with no or one cause.
+
+    Raises
+    ------
+    ValueError
+        If a name is no candidate, or a finding has two causes.
+    """
+    if isinstance(resolve, Mapping):
+        resolve = [f"{finding}={cause}" for finding, cause in resolve.items()]
+    causes: dict[str, list[str]] = {finding.effect: [] for finding in added}
+    for words in [resolve] if isinstance(resolve, str) else resolve:
+        *one, cause = (in_new_names(name) for name in words.split("=", 1))
+        meant = [f for f in added if cause in f.candidates and one in ([], [f.effect])]
+        if not meant:
+            known = (f for f in added if len(f.candidates) > 1)
+            there = [f"{f.effect} ({' | '.join(f.candidates)})" for f in known]
+            raise ValueError(
+                f"resolve has {words!r}, which is no candidate of an ambiguous "
+                f"finding; there are {', '.join(there) or 'none'}"
+            )
+        for finding in meant:
+            causes[finding.effect].append(cause)
+    for finding in added:
+        if len(mine := causes[finding.effect]) > 1:
+            raise ValueError(
+                f"resolve has {' and '.join(mine)}, which are candidates of one "
+                f"finding, {finding.effect}; give one of them, or name the finding of "
+                f"each, as {finding.effect}={mine[0]}"
+            )
+    return causes
 
 
 def is_of_instrument(finding: Finding) -> bool:

@@ -1,6 +1,6 @@
 """The result of a closed loop: finished, and it prints itself."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Self, TypeVar
@@ -490,7 +490,7 @@ class Loop:
         return untimed(pd.DataFrame(parts, index=timed.index), data.index, known)
 
     def corrected(
-        self, data: pd.DataFrame, resolve: str | Iterable[str] = ()
+        self, data: pd.DataFrame, resolve: str | Iterable[str] | Mapping[str, str] = ()
     ) -> CorrectedRecord:
         r"""
         Take the faults of instruments that the loop found out of a record.
@@ -510,9 +510,11 @@ class Loop:
         data : DataFrame
             The record that the loop was closed on, or a part of it, with the names and
             units that the loop took.
-        resolve : str or sequence of str, optional
+        resolve : str, sequence of str, or dict of str, optional
             For ambiguous findings the candidate that is the cause, such as
-            ``["irradiance_sensor_step"]``. Without it they change no column.
+            ``["irradiance_sensor_step"]``. Without it they change no column. If two
+            findings have the same candidates, a dict has the cause of each by the name
+            of the finding: ``{"module_offset_step": "air_offset_step"}``.
 
         Returns
         -------

@@ -10,6 +10,7 @@ from test_instruments import DATES, dated
 
 import pvlib_fem as fem
 from pvlib_fem import datasets
+from pvlib_fem._correction.faults import causes_by_finding
 from pvlib_fem._findings import Finding, Verdict
 from pvlib_fem._loop.conclude import NINETY, range_around, relative_error
 from pvlib_fem._record.inputs import read
@@ -277,11 +278,33 @@ def test_an_ambiguous_finding_changes_nothing_until_its_cause_is_given(ambiguous
     assert "no fault of an instrument" in str(mounting)
 
 
+def test_a_cause_can_be_of_one_finding(ambiguous):
+    """So two findings with the same candidates can have different causes."""
+    data, loop = ambiguous
+    (name,) = (one.effect for one in loop.finding_objects if one.added)
+    cause = "module_sensor_contact_step"
+    usual = loop.corrected(data, cause)
+    for resolve in ({name: cause}, f"{name}={cause}"):
+        assert loop.corrected(data, resolve).data.equals(usual.data)
+    with pytest.raises(ValueError, match="'rain=module_sensor_contact_step', which"):
+        loop.corrected(data, {"rain": cause})
+    one, other = (
+        replace(f, effect=effect)
+        for f in loop.finding_objects
+        if f.added
+        for effect in ("air_offset_step", "module_offset_step")
+    )
+    assert causes_by_finding([one, other], {"air_offset_step": cause}) == {
+        "air_offset_step": [cause],
+        "module_offset_step": [],
+    }
+
+
 def test_only_one_candidate_of_a_finding_is_its_cause(ambiguous):
     data, loop = ambiguous
     with pytest.raises(ValueError, match="'rain', which is no candidate of an amb"):
         loop.corrected(data, ["rain"])
-    with pytest.raises(ValueError, match="candidates of one finding; give one"):
+    with pytest.raises(ValueError, match=r"candidates of one finding, .*; give"):
         loop.corrected(data, ["irradiance_sensor_step", "module_sensor_contact_step"])
 
 
