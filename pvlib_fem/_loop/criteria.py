@@ -95,7 +95,7 @@ class Criteria:
 
     min_probability: float = 0.95
     prior_odds: float = 0.025
-    outside_probability: float = 0.10
+    outside_probability: float = 0.07
     law_error: float = 0.22
     shape_error: float = 0.39
 

@@ -86,4 +86,4 @@ def test_pages_state_the_thresholds_of_the_code():
 
 
 def one_in(share):
-    return {0.1: "one in ten"}[share]
+    return {0.07: "7 %"}[share]
