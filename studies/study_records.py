@@ -280,20 +280,20 @@ def said(loop, case, world):
 
 
 def causes(names, case):
-    """Names of effects, covers under the name of the truth that they show."""
-    return {case.covers.get(name, name) for name in names}
+    """Names of effects, covers under the names of the truths that they show."""
+    return {cause for name in names for cause in case.covers.get(name, [name])}
 
 
 def sets(loop, covers=None):
-    """Every finding that has probabilities, covers under the name of their cause."""
+    """Every finding that has probabilities, covers under the name of a cause."""
     covers, found = covers or {}, []
     for f in loop.finding_objects:
         shares = {}
         for name, share in f.probabilities.items():
-            name = covers.get(name, name)
+            name = covers.get(name, [name])[0]
             shares[name] = shares.get(name, 0.0) + share
         if shares:
-            effect = covers.get(f.effect, f.effect)
+            effect = covers.get(f.effect, [f.effect])[0]
             found.append(dict(effect=effect, verdict=str(f.verdict), shares=shares))
     return found
 

@@ -270,12 +270,14 @@ class Case:
 
     @property
     def covers(self):
-        """By name of an effect that power shows, the truth that is its cause."""
-        known = {}
-        for effect, switches in COVERS.items():
-            for switch in (s for s in switches if s in self.sizes):
-                known.setdefault(effect, TRUTHS[switch].effect)
-        return known
+        """By name of an effect that power shows, the truths that are its causes."""
+        known = {
+            effect: [
+                TRUTHS[switch].effect for switch in switches if switch in self.sizes
+            ]
+            for effect, switches in COVERS.items()
+        }
+        return {effect: truths for effect, truths in known.items() if truths}
 
     @property
     def label(self):

@@ -95,14 +95,14 @@ def causes_by_finding(added: Sequence[Finding], resolve: Any) -> dict[str, list[
     if isinstance(resolve, Mapping):
         resolve = [f"{finding}={cause}" for finding, cause in resolve.items()]
     causes: dict[str, list[str]] = {finding.effect: [] for finding in added}
-    for words in [resolve] if isinstance(resolve, str) else resolve:
-        *one, cause = (in_new_names(name) for name in words.split("=", 1))
+    for given in [resolve] if isinstance(resolve, str) else resolve:
+        *one, cause = (in_new_names(name) for name in given.split("=", 1))
         meant = [f for f in added if cause in f.candidates and one in ([], [f.effect])]
         if not meant:
             known = (f for f in added if len(f.candidates) > 1)
             there = [f"{f.effect} ({' | '.join(f.candidates)})" for f in known]
             raise ValueError(
-                f"resolve has {words!r}, which is no candidate of an ambiguous "
+                f"resolve has {given!r}, which is no candidate of an ambiguous "
                 f"finding; there are {', '.join(there) or 'none'}"
             )
         for finding in meant:
