@@ -84,8 +84,7 @@ def places_of(
     record: Record, rows: np.ndarray, hours: Hours, drivers: tuple
 ) -> dict[str, np.ndarray]:
     """Mean of each driver in cells of an hour, NaN with a gap, and their calendar."""
-    rain = {SINCE_RAIN} if "precipitation" in drivers else set()
-    past = [*PAST, *sorted(rain)]
+    past = [*PAST, SINCE_RAIN] if "precipitation" in drivers else [*PAST]
     inputs = derive_drivers(record.inputs, past)
     names = {*COLUMNS[:3], *GEOMETRY, *drivers, *past} & {*inputs.columns}
     # predictions from weather have no power

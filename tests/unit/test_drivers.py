@@ -9,11 +9,13 @@ from pvlib.location import Location
 from pvlib_fem import datasets, simulator
 from pvlib_fem._record.column_names import GEOMETRY
 from pvlib_fem._record.inputs import read
+from pvlib_fem._statistics.axes import DRY
 from pvlib_fem.drivers import (
     DERIVED,
     _lagged_inputs as memory,
     _sky_deficit as sky,
     _solar as solar,
+    constants,
     derive_drivers,
     needed_for,
     sun,
@@ -249,6 +251,7 @@ def test_hours_count_from_the_last_rain_up_to_three_days():
     rain = pd.Series(0.0, index)
     rain.iloc[30:33], rain.iloc[40] = 0.2, np.nan
     hours = derived({"precipitation": rain}, "hours_since_rain")["hours_since_rain"]
+    assert constants("hours_since_rain") == {"longest": DRY} and DRY == 72.0
     assert (hours[:30] == 72.0).all() and (hours[30:33] == 0.0).all()
     np.testing.assert_allclose(hours[33:], np.minimum(np.arange(1, 112), 72.0))
 
