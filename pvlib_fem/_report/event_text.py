@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 WORDS = {
     "modules_covered": ("modules", "the modules were covered", "lost"),
     "sensor_covered": (
-        "irradiance sensor",
-        "the irradiance sensor was covered",
+        "irradiance sensor or modules",
+        "the irradiance sensor was covered, or light was reflected onto the modules",
         "more than expected",
     ),
     "outage": ("plant", "the plant gave no power", "lost"),
