@@ -56,21 +56,21 @@ def faults_to_correct(loop: Any, resolve: Any) -> list:
     effects = {effect.name: effect for effect in loop.fit.effects}
     faults = []
     for finding in filter(is_of_instrument, added):
-        mine = causes[finding.effect]
-        if len(finding.candidates) > 1 and not mine:
+        cause = causes.get(finding.effect)
+        if len(finding.candidates) > 1 and cause is None:
             words = " | ".join(finding.candidates)
             why = f"it is ambiguous: {words}; name the cause with resolve= (--resolve)"
             faults.append(Fault(finding.effect, why=why))
-        elif not mine or mine[0] == finding.effect:
+        elif cause in (None, finding.effect):
             faults.append(Fault.from_finding(effects[finding.effect], finding))
         else:
-            member = finding.members[mine[0]]
-            effect = find({"name": mine[0], **member.settings})
+            member = finding.members[cause]
+            effect = find({"name": cause, **member.settings})
             faults.append(Fault.from_finding(effect, member))
     return faults
 
 
-def causes_by_finding(added: Sequence[Finding], resolve: Any) -> dict[str, list[str]]:
+def causes_by_finding(added: Sequence[Finding], resolve: Any) -> dict[str, str]:
     """
     The given cause of each finding, if there is one.
 
@@ -84,8 +84,8 @@ def causes_by_finding(added: Sequence[Finding], resolve: Any) -> dict[str, list[
 
     Returns
     -------
-    dict of list of str
-        By the name of the finding, with no or one cause.
+    dict of str
+        By the name of the finding; none where no cause is given.
 
     Raises
     ------
@@ -94,26 +94,25 @@ def causes_by_finding(added: Sequence[Finding], resolve: Any) -> dict[str, list[
     """
     if isinstance(resolve, Mapping):
         resolve = [f"{finding}={cause}" for finding, cause in resolve.items()]
-    causes: dict[str, list[str]] = {finding.effect: [] for finding in added}
+    causes: dict[str, str] = {}
     for given in [resolve] if isinstance(resolve, str) else resolve:
         *one, cause = (in_new_names(name) for name in given.split("=", 1))
         meant = [f for f in added if cause in f.candidates and one in ([], [f.effect])]
         if not meant:
-            known = (f for f in added if len(f.candidates) > 1)
-            there = [f"{f.effect} ({' | '.join(f.candidates)})" for f in known]
+            several = (f for f in added if len(f.candidates) > 1)
+            there = [f"{f.effect} ({' | '.join(f.candidates)})" for f in several]
             raise ValueError(
                 f"resolve has {given!r}, which is no candidate of an ambiguous "
                 f"finding; there are {', '.join(there) or 'none'}"
             )
         for finding in meant:
-            causes[finding.effect].append(cause)
-    for finding in added:
-        if len(mine := causes[finding.effect]) > 1:
-            raise ValueError(
-                f"resolve has {' and '.join(mine)}, which are candidates of one "
-                f"finding, {finding.effect}; give one of them, or name the finding of "
-                f"each, as {finding.effect}={mine[0]}"
-            )
+            known = causes.setdefault(finding.effect, cause)
+            if known != cause:
+                raise ValueError(
+                    f"resolve has {known} and {cause}, which are candidates of one "
+                    "finding; give one of them, or name the finding of each, as "
+                    f"{finding.effect}={known}"
+                )
     return causes
 
 
