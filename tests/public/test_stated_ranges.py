@@ -80,10 +80,6 @@ def test_pages_state_the_thresholds_of_the_code():
     assert f"{gain}, and {share:g} % of the mean square (`min_error_share`)" in page
     assert f"a probability of at least {100 * criteria.min_probability:.0f} %" in page
     assert f"Below {criteria.min_days} days nothing is named" in page
-    assert f"a probability of {one_in(criteria.outside_probability)}" in page
+    assert f"a probability of {100 * criteria.outside_probability:.0f} %" in page
     number = len(fields(criteria)) - 1  # limits are Limits
     assert f"all {number} thresholds" in joined(text_of(ROOT / "CHANGELOG.md"))
-
-
-def one_in(share):
-    return {0.07: "7 %"}[share]
