@@ -19,6 +19,7 @@ from pvlib_fem import fem_temperature, fit_fem, heat_balance, simulator
 from pvlib_fem._loop.close import close_loop
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.filters import counted
+from pvlib_fem._statements.make import REFLECTED
 from pvlib_fem._thermal.model import thermal_model
 from pvlib_fem.drivers import underived
 from pvlib_fem.effects import EFFECTS, find
@@ -307,17 +308,13 @@ def first_ok(groups, case):
     return bool(truths & (set().union(*groups) if alike else groups[0]))
 
 
-#: how the loop says that light may be reflected onto the modules
-REFLECTED = "reflects light onto the modules"
-
-
 def unexplained_ok(loop, case):
     """Whether structure of unknown cause is said to live where it does."""
     hidden = [UNKNOWN[switch] for switch in case.sizes if switch in UNKNOWN]
-    if [*case.sizes] == ["reflection"]:
-        said = (REFLECTED in text for text in loop.statements["text"])
-        if any(said):
-            return True
+    if [*case.sizes] == ["reflection"] and any(
+        REFLECTED.words in text for text in loop.statements["text"]
+    ):
+        return True
     drivers = {*underived([n for f in loop.unexplained for n in f.candidates])}
     return bool(hidden) and all(g & drivers for groups in hidden for g in groups)
 

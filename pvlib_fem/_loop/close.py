@@ -268,8 +268,10 @@ def finished_search(
             case = prepared_case(frame, site, **how, spared=spared)
             search = Search(Fits(case), report, own=own)
             last, base = search.run(steady)
+            if how["holdout"] is not None:
+                break
             more = edge_weeks(search.case, last.model.effects, len(spared))
-            if how["holdout"] is not None or not len(more):
+            if not len(more):
                 break
             spared = sorted({*spared, *more.tolist()})
         report("measuring the errors of the test weeks")

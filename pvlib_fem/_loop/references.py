@@ -621,7 +621,7 @@ def log_likelihoods(
 
 def is_compared(effect: Effect) -> bool:
     """
-    Whether references are asked about a choice of which an effect is the best.
+    Whether a choice, of which an effect is the best, is compared with references.
 
     Parameters
     ----------

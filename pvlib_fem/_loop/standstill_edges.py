@@ -120,20 +120,26 @@ def standstill_by_power(case: Case, effect: Effect) -> Effect | None:
     """
     record = case.record
     light = bright(record)
-    for name in filter(is_power, case.cross_check_columns):
+    powers = [*filter(is_power, case.cross_check_columns)]
+    if not powers:
+        return None
+    try:
+        inputs = derive_drivers(record.inputs, ["day"])
+        ready = effect.prepare(inputs.columns, np.ones_like(light))
+        inputs = derive_drivers(inputs, ready.scanned_from.drivers)
+    except ValueError:  # the plane is fixed
+        return None
+    wide = ready.scanned_from
+    light &= replace(record, inputs=inputs).complete_rows(wide.drivers)
+    poa, day = inputs["poa_global"], inputs["day"]
+    module = inputs["temp_air"] + WARMS * poa
+    for name in powers:
         try:
-            inputs = derive_drivers(record.inputs, ["day"])
-            ready = effect.prepare(inputs.columns, np.ones_like(light))
-            wide = ready.scanned_from
-            inputs = derive_drivers(inputs, wide.drivers)
-            poa, power, day = (inputs[key] for key in ("poa_global", name, "day"))
-            module = inputs["temp_air"] + WARMS * poa
-            relation = fit_power_arrays(poa, module, power, day)
-        except ValueError:  # the plane is fixed, or there is hardly any power
+            relation = fit_power_arrays(poa, module, inputs[name], day)
+        except ValueError:  # there is hardly any power
             continue
-        by_power = light_shown(relation, poa, module, power, day)
-        full = replace(record, inputs=inputs)
-        known = light & np.isfinite(by_power) & full.complete_rows(wide.drivers)
+        by_power = light_shown(relation, poa, module, inputs[name], day)
+        known = light & np.isfinite(by_power)
         columns = {key: inputs[key][known] for key in wide.drivers}
         tangents = {
             key: wide.at(columns, {**wide.start, key: 1.0}).heat for key in wide.rows()

@@ -148,8 +148,7 @@ def days_since_rain(
     cleans = (rain > 0) & (shower >= cleaning)
     # a record begins without a rain, and so without its days of grace
     start = seconds[0] - grace * DAY
-    last = np.maximum.accumulate(np.where(cleans, seconds, start))
-    return np.clip((seconds - last) / DAY - grace, 0.0, dirtiest)
+    return np.clip(seconds_since(cleans, seconds, start) / DAY - grace, 0.0, dirtiest)
 
 
 def hours_since_rain(
@@ -173,8 +172,13 @@ def hours_since_rain(
         From 0 to ``longest``.
     """
     falls = np.nan_to_num(precipitation) > 0.0
-    last = np.maximum.accumulate(np.where(falls, inputs.seconds, -np.inf))
-    return np.minimum((inputs.seconds - last) / HOUR, longest)
+    since = seconds_since(falls, inputs.seconds, -np.inf)
+    return np.minimum(since / HOUR, longest)
+
+
+def seconds_since(rows: np.ndarray, seconds: np.ndarray, start: float) -> np.ndarray:
+    """Time since the last of some rows; before the first of them, since a start."""
+    return seconds - np.maximum.accumulate(np.where(rows, seconds, start))
 
 
 def snow_cover(

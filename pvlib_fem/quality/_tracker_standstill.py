@@ -164,8 +164,7 @@ def nearest_by_day(sky: Any, planes: Any, turns: Any) -> tuple[Any, Any]:
     """
     Least relative residual of each day in any plane of an axis, and the rotation.
 
-    Between two planes the light is linear in the rotation. A clear day 5° from the
-    nearest plane that is tried would leave as much as a day that is not clear.
+    Of the clear skies with more and less haze the best one of each day counts.
 
     Parameters
     ----------
@@ -180,29 +179,40 @@ def nearest_by_day(sky: Any, planes: Any, turns: Any) -> tuple[Any, Any]:
     residual, turn : array, shape (days,)
         [-], [°]
     """
+    each = [nearest_of_one(one, planes, turns) for one in skies_with_haze(sky)]
+    residuals, at = map(np.array, zip(*each))
+    best = np.argmin(residuals, axis=0), np.arange(residuals.shape[1])
+    return residuals[best], at[best]
+
+
+def nearest_of_one(sky: Any, planes: Any, turns: Any) -> tuple[Any, Any]:
+    """
+    :func:`nearest_by_day` against one clear sky.
+
+    Between two planes the light is linear in the rotation. A clear day 5° from the
+    nearest plane that is tried would leave as much as a day that is not clear.
+    """
 
     def by_day(column: Any) -> np.ndarray:
         return np.bincount(sky.day, column)
 
     whole = by_day(sky.poa**2)
     best, at = np.full(len(whole), np.inf), np.full(len(whole), turns[0])
-    for one in skies_with_haze(sky):
-        light = one.on_plane(planes[0])
-        square, both = by_day(light**2), by_day(sky.poa * light)
-        for i, plane in enumerate(planes[1:]):
-            after = one.on_plane(plane)
-            crossed = by_day(light * after)
-            squares, boths = by_day(after**2), by_day(sky.poa * after)
-            for share in BETWEEN:
-                rest = 1.0 - share
-                products = rest**2 * square + 2.0 * rest * share * crossed
-                products += share**2 * squares
-                cross = rest * both + share * boths
-                residual = relative_residual(whole, products, cross)
-                turn = rest * turns[i] + share * turns[i + 1]
-                at = np.where(residual < best, turn, at)
-                best = np.minimum(residual, best)
-            light, square, both = after, squares, boths
+    light = sky.on_plane(planes[0])
+    square, both = by_day(light**2), by_day(sky.poa * light)
+    for i, plane in enumerate(planes[1:]):
+        after = sky.on_plane(plane)
+        crossed = by_day(light * after)
+        squares, boths = by_day(after**2), by_day(sky.poa * after)
+        for share in BETWEEN:
+            rest = 1.0 - share
+            products = rest**2 * square + 2.0 * rest * share * crossed
+            products += share**2 * squares
+            residual = relative_residual(whole, products, rest * both + share * boths)
+            turn = rest * turns[i] + share * turns[i + 1]
+            at = np.where(residual < best, turn, at)
+            best = np.minimum(residual, best)
+        light, square, both = after, squares, boths
     return best, at
 
 
