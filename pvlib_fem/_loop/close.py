@@ -18,6 +18,7 @@ from pvlib_fem._loop.conclude import as_hint, finding_of
 from pvlib_fem._loop.correct_clock import module_clock
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
+from pvlib_fem._loop.cross_checks import cross_checks, is_compared, log_likelihoods
 from pvlib_fem._loop.design import Changed, Column, Design
 from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.leaks import leaks
@@ -28,13 +29,7 @@ from pvlib_fem._loop.parquet_loop import OwnSteps, in_means, on_days
 from pvlib_fem._loop.planes import with_given
 from pvlib_fem._loop.prepare import another_plane, is_before_the_sun, prepared_case
 from pvlib_fem._loop.progress import stage_reporter
-from pvlib_fem._loop.references import (
-    DailyDeviation,
-    cross_checks,
-    daily_deviations,
-    is_compared,
-    log_likelihoods,
-)
+from pvlib_fem._loop.references import DailyDeviation, daily_deviations
 from pvlib_fem._loop.refit_checks import check_of_bounds
 from pvlib_fem._loop.refits import Fits, Step
 from pvlib_fem._loop.replacements import Replacements

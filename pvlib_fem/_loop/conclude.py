@@ -16,8 +16,8 @@ from pvlib_fem._findings import (
     Member,
     Verdict,
 )
+from pvlib_fem._loop.comparisons import SLACK
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.references import SLACK
 from pvlib_fem._record.column_names import GEOMETRY
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from pvlib_fem._loop.comparisons import GAMMA, bright
 from pvlib_fem._loop.divided_record import Case
-from pvlib_fem._loop.references import GAMMA, bright
 from pvlib_fem._loop.weeks import Part
 from pvlib_fem._record.column_names import is_power
 from pvlib_fem._statistics.clusters import calendar_weeks

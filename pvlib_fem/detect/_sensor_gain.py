@@ -9,7 +9,8 @@ from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem._loop import references
-from pvlib_fem._loop.references import COMPARISONS, SKY, USUAL_WIND, DailyDeviation
+from pvlib_fem._loop.comparisons import COMPARISONS, SKY, USUAL_WIND
+from pvlib_fem._loop.references import DailyDeviation
 from pvlib_fem._record.checks import dates_of
 from pvlib_fem._statistics.changing_level import Law
 from pvlib_fem.detect._changes import SURE, LevelChanges, level_changes, level_result

@@ -1,0 +1,217 @@
+"""
+What is compared with an instrument: power, second sensors, a clear sky, usual wind.
+
+If the instrument has changed and not the quantity, the two deviate along the same
+time profile; where the change is elsewhere, they do not.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._record.column_names import is_power, twin_of
+
+BRIGHT = 200.0  # W/m², above which light is compared
+BREEZE = 1.0  # m/s, above which wind is
+GAMMA = -0.004  # 1/K, of power: crystalline silicon, as PVWatts has it
+SLACK = 0.15  # of what is expected: a thermal coefficient is no better than that
+FEWEST_DAYS = 40  # on which both are there
+FEWEST_CLEAR = 20  # clear days, since most of the noise is in the others
+HAZE = 0.02  # of a clear sky's light, from year to year: aerosol and water [-]
+WINDINESS = 0.1  # of the mean wind, from season to season and from year to year [-]
+SKY, USUAL_WIND = "clear sky", "usual wind"  # no names of columns
+
+
+class ComparedRecord(Protocol):
+    """What a comparison reads of a record."""
+
+    @property
+    def index(self) -> pd.DatetimeIndex: ...
+
+    @property
+    def dates(self) -> np.ndarray: ...
+
+    def __getitem__(self, name: str) -> np.ndarray: ...
+
+
+class ComparedCase(Protocol):
+    """A record, and which of its rows may be looked at."""
+
+    @property
+    def record(self) -> ComparedRecord: ...
+
+    @property
+    def searched(self) -> np.ndarray: ...
+
+
+#: a record and the column to two columns, whose daily sums are compared
+Parts = Callable[[ComparedRecord, np.ndarray], tuple[np.ndarray, np.ndarray]]
+#: a change of an instrument and the fit's coefficients to the deviation that it makes
+Shows = Callable[[np.ndarray, Mapping[str, float]], np.ndarray]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """How something is compared with an instrument, and what a change would show."""
+
+    serves: Callable[[str], bool]  # whether what has that name can be so compared
+    rows: Callable[[ComparedRecord], np.ndarray]  # that are compared
+    parts: Parts
+    #: daily sums to the deviation of the two
+    differ: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    shows: dict[str, Shows]  # by sensor fault, or effect
+    unit: str = "-"
+    ages: bool = False  # whether it fades by itself
+    wanders: float = 0.0  # by how much it differs from year to year by itself
+    fewest: int = FEWEST_DAYS
+    module: bool = False  # whether the module's temperature is in it
+
+
+def always(record: ComparedRecord) -> np.ndarray:
+    return np.ones(len(record.index), dtype=bool)
+
+
+def bright(record: ComparedRecord) -> np.ndarray:
+    """
+    Rows on which light is compared.
+
+    Parameters
+    ----------
+    record : ComparedRecord
+        Record with ``poa_global``. [W/m²]
+
+    Returns
+    -------
+    array of bool, shape (rows,)
+        True above 200 W/m².
+    """
+    return record["poa_global"] > BRIGHT
+
+
+def dark(record: ComparedRecord) -> np.ndarray:
+    return record["poa_global"] <= 0.0
+
+
+def windy(record: ComparedRecord) -> np.ndarray:
+    return record["wind_speed"] > BREEZE
+
+
+def called(name: str) -> Callable[[str], bool]:
+    """Whether something is that one."""
+    return lambda other: other == name
+
+
+def twin(usual: str) -> Callable[[str], bool]:
+    """Whether a column is a second sensor of that one."""
+    return lambda name: twin_of(name) == usual
+
+
+def paired_with(usual: str) -> Parts:
+    """The column, and the usual column of the instrument."""
+    return lambda record, values: (values, record[usual])
+
+
+def per_irradiance(
+    record: ComparedRecord, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Power at 25 °C, and the irradiance."""
+    return values / (1.0 + GAMMA * (record["temp_module"] - 25.0)), record["poa_global"]
+
+
+def air_difference(
+    record: ComparedRecord, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """How much warmer its air is."""
+    return values - record["temp_air"], np.ones(len(values))
+
+
+def air_by_irradiance(
+    record: ComparedRecord, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The deviation for each 1000 W/m²."""
+    return values - record["temp_air"], record["poa_global"] / 1000.0
+
+
+def over_temperatures(
+    record: ComparedRecord, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Over-temperatures of both sensors."""
+    return values - record["temp_air"], record["temp_module"] - record["temp_air"]
+
+
+def module_difference(
+    record: ComparedRecord, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """How much more the other sensor of the module reads."""
+    return values - record["temp_module"], np.ones(len(values))
+
+
+def log_ratio(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.log(one / other)
+
+
+def of_wind(change: np.ndarray, coefficients: Mapping[str, float]) -> np.ndarray:
+    """The share that wind is read less, where each m/s of it has so much more loss."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.log1p(change / coefficients.get("u1", np.inf))
+
+
+LIGHT: dict[str, Shows] = {"irradiance_sensor": lambda change, _: np.log1p(change)}
+#: modules in another plane than the sensor, whose own light is as it should be
+STUCK: dict[str, Shows] = {"tracker_stuck": lambda change, _: np.log1p(change)}
+WIND: dict[str, Shows] = {"anemometer": of_wind}
+AIR: dict[str, Shows] = {"air_offset": lambda change, _: change}
+SHELTER: dict[str, Shows] = {"air_sensor_shield": lambda change, _: -change}
+CONTACT: dict[str, Shows] = {
+    "module_sensor_contact": lambda change, _: -np.log1p(change)
+}
+OFFSET: dict[str, Shows] = {"module_offset": lambda change, _: -change}
+
+COMPARISONS = (
+    Comparison(
+        is_power,
+        bright,
+        per_irradiance,
+        log_ratio,
+        LIGHT | STUCK,
+        ages=True,
+        module=True,
+    ),
+    Comparison(
+        called(SKY),
+        bright,
+        paired_with("poa_global"),
+        log_ratio,
+        LIGHT,
+        wanders=HAZE,
+        fewest=FEWEST_CLEAR,
+    ),
+    Comparison(
+        called(USUAL_WIND),
+        always,
+        paired_with("wind_speed"),
+        log_ratio,
+        WIND,
+        wanders=WINDINESS,
+    ),
+    Comparison(twin("poa_global"), bright, paired_with("poa_global"), log_ratio, LIGHT),
+    Comparison(twin("wind_speed"), windy, paired_with("wind_speed"), log_ratio, WIND),
+    Comparison(twin("temp_air"), dark, air_difference, np.divide, AIR, "K"),
+    Comparison(twin("temp_air"), bright, air_by_irradiance, np.divide, SHELTER, "K"),
+    Comparison(
+        twin("temp_module"), bright, over_temperatures, log_ratio, CONTACT, module=True
+    ),
+    Comparison(
+        twin("temp_module"),
+        dark,
+        module_difference,
+        np.divide,
+        OFFSET,
+        "K",
+        module=True,
+    ),
+)
