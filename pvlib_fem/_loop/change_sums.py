@@ -105,9 +105,9 @@ class ChangeSums:
         begin, (means, squares) = self.years[first][:, None] - before, self.moments
         plain, mean = self.sums[last] - self.sums[first], means[last] - means[first]
         parts = mean - begin * plain
-        square = (squares[last] - squares[first])[:, None]
-        own = square - begin * (2.0 * mean[:, 1:2] - begin * plain[:, 1:2])
-        return np.concatenate([parts[..., :1], own, parts[..., 2:]], axis=-1)
+        begin, square = begin[..., 0], squares[last] - squares[first]
+        parts[..., 1] = square - begin * (2.0 * mean[:, 1] - begin * plain[:, 1])
+        return parts
 
     def with_resets(self, side: int) -> Span | None:
         """

@@ -110,7 +110,7 @@ class Design:
         Of the columns.
     cells : array, shape (cells, columns)
         Means of each column over the rows of each cell, tangents scaled to a mean
-        square of 1. [K]
+        square of 1. A column is contiguous in memory. [K]
     scale : array, shape (columns,)
         What each column was divided by.
     rows : array, shape (cells,)
@@ -202,7 +202,7 @@ class Design:
             wanted |= dict.fromkeys(names)
         wanted |= dict.fromkeys(sensor_faults.values())
         columns = [means(residual), *(means(evidence.columns[n]) for n in wanted)]
-        cells = np.column_stack(columns)
+        cells = np.array(columns).T
         scale = np.sqrt(rows @ cells**2 / rows.sum())
         scale[(scale == 0) | (np.arange(len(scale)) == 0)] = 1.0
         order = {name: i + 1 for i, name in enumerate(wanted)}
@@ -260,7 +260,7 @@ class Design:
         """
         first = np.flatnonzero(np.diff(dates, prepend=dates[:1] - 1))
         days = np.repeat(np.arange(len(first)), np.diff(first, append=len(dates)))
-        values = np.column_stack([residual, *columns.values(), sensor_fault])
+        values = np.array([residual, *columns.values(), sensor_fault]).T
         scale = np.sqrt(np.mean(values**2, axis=0))
         scale[0] = 1.0
         size = len(columns)
@@ -400,14 +400,14 @@ class Design:
 
     def residual_given(self, columns: Sequence[Column]) -> np.ndarray:
         """Residual of a fit of some columns, by cell. [K]"""
-        table = np.column_stack([self.values(c) for c in columns])
-        return self.cells[:, 0] - table @ coefficients_from(self.whole(columns))
+        table = np.array([self.values(c) for c in columns])
+        return self.cells[:, 0] - coefficients_from(self.whole(columns)) @ table
 
     def whitened(self, noise: Sequence[Table]) -> "Design":
         """The design for generalised least squares with some random effects."""
         if not noise:
             return self
-        cells = np.column_stack([self.freed(column, noise) for column in self.cells.T])
+        cells = np.array([self.freed(column, noise) for column in self.cells.T]).T
         return replace(self, cells=cells, noise=tuple(noise), plain=self)
 
     def freed(self, column: np.ndarray, noise: Iterable[Table]) -> np.ndarray:
@@ -427,7 +427,7 @@ class Design:
         residual : array, shape (cells,)
             Summand of each cell. [K]
         """
-        cells = self.cells.copy()
+        cells = self.cells.copy(order="F")
         cells[:, 0] += residual
         return replace(self, cells=cells)
 
@@ -470,8 +470,12 @@ class Design:
         sums: Callable[[np.ndarray], np.ndarray],
     ) -> np.ndarray:
         """Products of the residual and some columns, from daily ones."""
-        places = [0, *(c if isinstance(c, int) else c.place for c in columns)]
-        table = known[..., places, :][..., places]
+        places = np.array([0, *map(place_of, columns)])
+        size, many = len(places), known.shape[-1]
+        # one flat index is faster than two, and the table is contiguous
+        flat = (places[:, None] * many + places).ravel()
+        table = known.reshape(*known.shape[:-2], -1).take(flat, axis=-1)
+        table = table.reshape(*known.shape[:-2], size, size)
         changes = [(i + 1, c) for i, c in enumerate(columns) if not isinstance(c, int)]
         for i, change in changes:
             rows = sums(self.parts(change)[1][:, places])
@@ -479,6 +483,26 @@ class Design:
             for j, other in changes:
                 table[..., i, j] = table[..., j, i] = sums(self.crossed(change, other))
         return table
+
+    def row(self, change: Changed, columns: Sequence[Column]) -> np.ndarray:
+        """
+        Products of a change with the residual, some columns, and itself, of all weeks.
+
+        Parameters
+        ----------
+        change : Changed
+        columns : sequence of int or Changed
+
+        Returns
+        -------
+        array, shape (len(columns) + 2,)
+        """
+        places = [0, *map(place_of, columns)]
+        row = self.parts(change)[1].sum(axis=0)[places]
+        for i, other in enumerate(columns):
+            if not isinstance(other, int):
+                row[i + 1] = self.crossed(change, other).sum()
+        return np.append(row, self.crossed(change, change).sum())
 
     def crossed(self, change: Changed, other: Changed) -> np.ndarray:
         """Daily products of two changes."""
@@ -568,8 +592,8 @@ class Design:
         explained = np.linalg.solve(
             with_ridge(whole)[:-size, :-size], whole[:-size, -size:]
         )
-        table = np.column_stack([self.values(c) for c in given])
-        mine = np.column_stack([self.values(c) for c in own])
+        table = np.array([self.values(c) for c in given]).T
+        mine = np.array([self.values(c) for c in own]).T
         rest = self.cells[:, 0] - table @ fit.solved[:-size]
         rest = (rest - mine @ fit.estimate) * root
         mine = (mine - table @ explained) * root[:, None]

@@ -8,7 +8,7 @@ loses its size within those tables, or has a residual as large as what it explai
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from pvlib_fem._loop.dictionary import Candidate
     from pvlib_fem._loop.selection import Choice
 
+#: axes of a table
+Kind = tuple[Axis, ...]
 TINY = 1e-100  # density of what is as far as anything
 FAR = 0.35  # spread of the part of an effect that holds under other conditions
 USUAL = COLUMNS[:3]
@@ -101,12 +103,14 @@ def with_outside(
     logs = logs or dict.fromkeys([*choice.members, OUTSIDE], 0.0)
     most = max(logs.values())
     times = {name: float(np.exp(log - most)) for name, log in logs.items()}
+    tables: dict[bool, WithinCells] = {}  # by whether days are the draws
     mine, outside = {}, 0.0
     for name, one in choice.members.items():
         weight = choice.weights[name] * times[name]
         prior = prior_of(one.effect, criteria.outside_probability)
         own = design.fit_for([one.effect])
-        sizes = remaining_shares(own, one, given)
+        within = tables.setdefault(own.daily_draws, WithinCells(own, given))
+        sizes = remaining_shares(one, within)
         rest = law_misfits(own, one, given, choice.fall)
         inside, beyond = likelihoods(sizes, rest, criteria.law_error)
         mine[name] = weight * (1.0 - prior.odds) * inside
@@ -121,15 +125,14 @@ def with_outside(
 
 
 def remaining_shares(
-    design: "Design", one: "Candidate", given: Sequence["Column"]
+    one: "Candidate", tables: "WithinCells"
 ) -> list[tuple[float, float]]:
     """Share of its size that remains under other conditions, with its error."""
+    design, given = tables.design, tables.given
     own = one.beyond(given)
     plain = LeastSquares(design.by_week([*given, *own]), len(own))
-    others = [
-        products_within_cells(design, given, own, t)
-        for t in cell_groups(design, one.effect)
-    ]
+    kinds = tables_met(design, one.effect)
+    others = [tables.products(own, kind) for kind in kinds]
     if one.effect.sensor_fault in OF_NO_COEFFICIENT:
         # what the instrument has had all the time is no change
         others.append(design.by_week([*given, one.change.place, *own]))
@@ -249,42 +252,60 @@ def density(distance: float, width: float) -> float:
     return max(float(np.exp(-0.5 * (distance / width) ** 2) / width), TINY)
 
 
-def products_within_cells(
-    design: "Design",
-    given: Sequence["Column"],
-    own: Sequence["Column"],
-    groups: np.ndarray,
-) -> np.ndarray:
-    """
-    Weekly products of columns less their means in groups of cells.
+@dataclass(eq=False)
+class WithinCells:
+    """Products of columns less their means in the cells of tables."""
 
-    A change counts as far as its weight differs within a group. Variation of the
-    sensor's column within a group is no evidence of a change.
+    design: "Design"
+    given: Sequence["Column"]  # of the base and of other choices
+    #: of each table, the group of each cell and the residual and given columns
+    known: dict[Kind, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
-    Parameters
-    ----------
-    design : Design
-    given, own : sequence of int or Changed
-        Columns of the base and of other choices, and those of an effect.
-    groups : array of int, shape (cells,)
+    def parts(self, kind: Kind) -> tuple[np.ndarray, np.ndarray]:
+        """
+        Group of each cell in a table, and the columns less their means there.
 
-    Returns
-    -------
-    array, shape (weeks, columns, columns)
-    """
-    mean = group_means(groups, design.rows)
-    columns = [design.cells[:, 0], *map(design.values, given)]
-    for column in own:
-        values = design.values(column)
-        if not isinstance(column, int):
-            means = mean(design.weight(column))
-            values = values - means * design.cells[:, column.place]
-        columns.append(values)
-    values = np.column_stack(columns)
-    for column in values.T:
-        column -= mean(column)
-    starts = np.append(design.first[design.clusters], len(design.rows))
-    return products(values, design.rows, starts)
+        Parameters
+        ----------
+        kind : tuple of Axis
+            Without an axis, the groups are weeks.
+        """
+        if kind not in self.known:
+            design = self.design
+            groups = renumbered_groups(cell_numbers(kind)[0]) if kind else design.weeks
+            mean = group_means(groups, design.rows)
+            columns = [design.cells[:, 0], *map(design.values, self.given)]
+            self.known[kind] = groups, np.array([one - mean(one) for one in columns])
+        return self.known[kind]
+
+    def products(self, own: Sequence["Column"], kind: Kind) -> np.ndarray:
+        """
+        Weekly products of the residual, the given columns and those of an effect.
+
+        A change counts as far as its weight differs within a group. Variation of the
+        sensor's column within a group is no evidence of a change.
+
+        Parameters
+        ----------
+        own : sequence of int or Changed
+            Columns of the effect.
+        kind : tuple of Axis
+
+        Returns
+        -------
+        array, shape (weeks, columns, columns)
+        """
+        design, (groups, given) = self.design, self.parts(kind)
+        mean = group_means(groups, design.rows)
+        columns = []
+        for column in own:
+            values = design.values(column)
+            if not isinstance(column, int):
+                means = mean(design.weight(column))
+                values = values - means * design.cells[:, column.place]
+            columns.append(values - mean(values))
+        starts = np.append(design.first[design.clusters], len(design.rows))
+        return products(np.concatenate([given, columns]).T, design.rows, starts)
 
 
 def remaining_share(
@@ -307,17 +328,16 @@ def remaining_share(
     return share, float(error)
 
 
-def cell_groups(design: "Design", effect: Effect) -> Iterator[np.ndarray]:
-    """Group of each cell, by each table of unknown structure that an effect meets."""
+def tables_met(design: "Design", effect: Effect) -> Iterator[Kind]:
+    """Each table of unknown structure that an effect meets; () for weeks."""
     axes = {axis.name: axis for axis in design.axes}
-    for kind in usual_tables(axes):
-        yield renumbered_groups(cell_numbers(kind)[0])
+    yield from usual_tables(axes)
     if not effect.sensor_fault and design.has_weeks:
-        yield design.weeks
+        yield ()
     skip = {*USUAL, *effect.drivers, *needed_for(effect.drivers), *CLOCK, *GEOMETRY}
     for name, axis in axes.items():
         if axis.column not in skip and name not in skip:
-            yield renumbered_groups(cell_numbers((axis, axes["hour"]))[0])
+            yield (axis, axes["hour"])
 
 
 def usual_tables(axes: Mapping[str, Axis]) -> list[tuple[Axis, ...]]:

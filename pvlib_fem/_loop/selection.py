@@ -20,6 +20,7 @@ from pvlib_fem._loop.existence import (
 from pvlib_fem._loop.noise import random_effects
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
+    RIDGE,
     LeastSquares,
     explainable_share,
     fall_of_squares,
@@ -421,11 +422,15 @@ class Selection:
             at = [order[c] for c in candidates[i].columns if c in order]
             score = beyond[at, 0]
             falls[i] = score @ np.linalg.solve(beyond[np.ix_(at, at)], score)
-        falls /= design.count
-        for i, one in enumerate(candidates):
-            if one.effect.sensor_fault:
-                falls[i] = self.in_sample(one, given)
-        return falls
+        if dated := [i for i, one in enumerate(candidates) if one.effect.sensor_fault]:
+            rows = np.array([design.row(candidates[i].change, given) for i in dated])
+            mine = np.linalg.solve(whole[1 : size + 1, 1 : size + 1], rows[:, 1:-1].T)
+            scores = rows[:, 0] - whole[0, 1 : size + 1] @ mine
+            squares = (1.0 + RIDGE) * rows[:, -1] - np.einsum(
+                "ij,ji->i", rows[:, 1:-1], mine
+            )
+            falls[dated] = scores**2 / np.maximum(squares, 1e-300)
+        return falls / design.count
 
     def alike(self, one: Candidate, other: Candidate, given: Sequence[Column]) -> float:
         """
@@ -494,10 +499,9 @@ class Selection:
         members = {top.name: top}
         # a change that is in the model may be the cause of other days, too
         taken = frozenset(names_of(others))
-        for one in self.candidates(given):
-            if one.name in members or {*one.columns} <= {*given}:
-                continue
-            if self.in_sample(one, given) < OVERLAP * choice.fall:
+        rivals = [one for one in self.candidates(given) if one.beyond(given)]
+        for one, fall in zip(rivals, self.in_samples(rivals, given)):
+            if one.name in members or fall < OVERLAP * choice.fall:
                 continue
             if self.alike(top, one, given) < OVERLAP:
                 continue

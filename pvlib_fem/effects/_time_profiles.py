@@ -8,6 +8,7 @@ Each time profile is defined once and applies to every fault.
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, cast
 
 import numpy as np
@@ -37,14 +38,20 @@ def day_number(date: str) -> float:
     ValueError
         If it is no date.
     """
-    words = f"{date!r} is no date; give one such as '2012-04-01'"
     try:
-        days = (pd.Timestamp(date) - pd.Timestamp(0)) / pd.Timedelta("1D")
+        return parsed_day(date)
     except (TypeError, ValueError) as error:
+        words = f"{date!r} is no date; give one such as '2012-04-01'"
         raise ValueError(words) from error
+
+
+@lru_cache(maxsize=4096)  # a search asks for the same dates again and again
+def parsed_day(date: str) -> float:
+    """Days of a date since 1970-01-01, or an error."""
+    days = (pd.Timestamp(date) - pd.Timestamp(0)) / pd.Timedelta("1D")
     if pd.isna(days):  # of "NaT", or an empty text
-        raise ValueError(words)
-    return days
+        raise ValueError("no date")
+    return float(days)
 
 
 def date_text(day: float) -> str:

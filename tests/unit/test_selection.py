@@ -16,6 +16,7 @@ from pvlib_fem._loop.design import Changed, Design, independent_columns
 from pvlib_fem._loop.dictionary import Candidate, dated_candidates
 from pvlib_fem._loop.existence import probability_of_existence
 from pvlib_fem._loop.noise import (
+    WithinCells,
     law_misfits,
     random_effects,
     remaining_shares,
@@ -424,7 +425,7 @@ def test_a_true_effect_keeps_its_size_within_every_table():
     random, (days, hours) = np.random.default_rng(2), clock(300)
     own = np.maximum(random.normal(size=len(days)) + np.cos(hours / 4.0), 0.0)
     made, one, choice = chosen(2.0 * own + noise(random, len(days)), own, days, hours)
-    sizes = [*remaining_shares(made, one, [*made.base])]
+    sizes = [*remaining_shares(one, WithinCells(made, [*made.base]))]
     assert sizes
     for share, error in sizes:
         assert abs(share - 1.0) < 4.0 * error + 0.02
@@ -439,7 +440,9 @@ def test_what_stands_for_an_unknown_schedule_is_outside():
     own = pump + 0.3 * np.abs(random.normal(size=len(days)))
     rest = 3.0 * pump + noise(random, len(days))
     made, one, choice = chosen(rest, own, days, hours)
-    share, _ = remaining_shares(made, one, [*made.base])[0]  # by hour and month
+    share, _ = remaining_shares(one, WithinCells(made, [*made.base]))[
+        0
+    ]  # by hour and month
     assert share < 0.3
     assert choice.probabilities[OUTSIDE] > 0.5
 
@@ -733,7 +736,7 @@ def test_a_law_that_is_not_exact_keeps_its_size_where_it_changes():
     made = design(rest, usual, days, hours, changing=[drift])
     made.cells[:, -1] = seen / np.sqrt(np.mean(seen**2))
     one = Candidate(drift, (Changed.from_effect(len(made.names) - 1, drift),), 0.0)
-    months, *_ = remaining_shares(made, one, [*made.base])
+    months, *_ = remaining_shares(one, WithinCells(made, [*made.base]))
     assert months[0] == pytest.approx(1.0, abs=max(0.2, 2.0 * months[1]))
 
 
