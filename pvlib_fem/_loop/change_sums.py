@@ -85,10 +85,11 @@ class ChangeSums:
 
     @cached_property
     def moments(self) -> tuple[np.ndarray, np.ndarray]:
-        """Sums before each day times years, and of squares times years squared."""
+        """Sums before each day, plain and times years; squares times years squared."""
         middle = self.years[:, None] + 0.5 / YEAR
         squares = self.table[:, 1:2] * middle**2
-        return before_each(self.table * middle), before_each(squares)[:, 0]
+        both = np.stack([self.sums, before_each(self.table * middle)], axis=1)
+        return both, before_each(squares)[:, 0]
 
     def constant(self, first: np.ndarray, last: np.ndarray) -> np.ndarray:
         """Falls of the sum of squares by changes from some days until before others."""
@@ -102,8 +103,9 @@ class ChangeSums:
         self, first: np.ndarray, last: np.ndarray, before: float | np.ndarray = 0.0
     ) -> np.ndarray:
         """Sums of a trend from some days until before others, begun years before."""
-        begin, (means, squares) = self.years[first][:, None] - before, self.moments
-        plain, mean = self.sums[last] - self.sums[first], means[last] - means[first]
+        begin, (both, squares) = self.years[first][:, None] - before, self.moments
+        between = both[last] - both[first]
+        plain, mean = between[:, 0], between[:, 1]
         parts = mean - begin * plain
         begin, square = begin[..., 0], squares[last] - squares[first]
         parts[..., 1] = square - begin * (2.0 * mean[:, 1] - begin * plain[:, 1])
@@ -172,6 +174,7 @@ class ChangeSums:
         """The trend with each reset where it explains most given the others."""
         every = np.arange(len(self.table))
         for _ in range(2):
+            before = span
             for reset in span.resets:
                 others = without(span.resets, reset)
                 left = replace(span, resets=others)
@@ -180,6 +183,8 @@ class ChangeSums:
                 if place is not None:
                     span = replace(span, resets=tuple(sorted([*others, place])))
             span = self.begun_before(span.resets)
+            if span.resets == before.resets:
+                break
         return span
 
     def square_falls(self, parts: np.ndarray) -> np.ndarray:
@@ -189,7 +194,7 @@ class ChangeSums:
     def sizes(self, parts: np.ndarray) -> np.ndarray:
         """Size of a change along a column of such sums; 0 if its sign is impossible."""
         score, square, shared = parts[..., 0], parts[..., 1], parts[..., 2:]
-        beyond = square - np.square(shared).sum(axis=-1)
+        beyond = square - np.einsum("...i,...i->...", shared, shared)
         allowed = (score > 0) & (self.high > 0) | (score < 0) & (self.low < 0)
         good = allowed & (beyond > UNSEEN * np.maximum(square, 1e-12))
         return np.where(good, score / np.where(good, beyond, 1.0), 0.0)
@@ -210,10 +215,10 @@ class ChangeSums:
         first, last : array of int
             Of each change, or one for all.
         """
-        first, last = np.broadcast_arrays(first, last)
         each = falls(first, last)
         at = int(np.argmax(each))
-        return Span(int(first[at]), int(last[at]), float(each[at]))
+        begin, end = (days[at if len(days) > 1 else 0] for days in (first, last))
+        return Span(int(begin), int(end), float(each[at]))
 
     def inside(
         self,
@@ -247,10 +252,13 @@ class ChangeSums:
         if not span.fall > 0:
             return None
         for _ in range(3):
+            before = span
             firsts = np.arange(side, span.last - side + 1)
             span = self.best(falls, firsts, np.array([span.last]))
             lasts = np.arange(span.first + side, days - side + 1)
             span = self.best(falls, np.array([span.first]), lasts)
+            if span == before:
+                break
         return span
 
 

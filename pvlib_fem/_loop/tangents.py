@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -83,6 +84,7 @@ class Evidence:
             known=self.known | {effect.name: int(known.sum())},
         )
 
+    @cached_property
     def without_shape(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         """Remaining error given all functions of the usual inputs, and those."""
         shapes = [n for n, effect in self.effects.items() if effect.confounder]
@@ -180,8 +182,11 @@ def gather_evidence(
             changing += [(time_profile, column) for time_profile in one.time_profiles]
         else:
             evidence = evidence.with_effect(one.wide, own, known)
+    unlocated = evidence
     for scan, wide, own, known in scanned:
-        narrow = located_effect(evidence, scan, own, known, inputs, wide.drivers, least)
+        narrow = located_effect(
+            unlocated, scan, own, known, inputs, wide.drivers, least
+        )
         if narrow is None:
             failed[wide.name] = because(wide.not_found)
             continue
@@ -459,7 +464,7 @@ def located_effect(
 ) -> Effect | None:
     """The effect where a scan of the remaining error shows it, or None."""
     places = {name: inputs[name][evidence.rows[known]] for name in drivers}
-    rest, shapes = evidence.without_shape()
+    rest, shapes = evidence.without_shape
     # of a shape whose driver is missing, as in the residual
     columns = {key: np.nan_to_num(c[known]) for key, c in (own | shapes).items()}
     weeks = calendar_weeks(evidence.dates[known])

@@ -8,7 +8,7 @@ Each time profile is defined once and applies to every fault.
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, cast
 
 import numpy as np
@@ -178,10 +178,15 @@ class TimeProfile:
         """The name of a sensor fault with this time profile."""
         return f"{sensor_fault.name}_{self.name}"
 
+    @cached_property
+    def required(self) -> tuple[str, ...]:
+        """Names of the dates that it has to have."""
+        taken = inspect.signature(self.weight).parameters.values()
+        return tuple(p.name for p in taken if p.default is p.empty)
+
     def missing(self, dates: Mapping) -> list:
         """Names of required dates that are not given."""
-        taken = inspect.signature(self.weight).parameters.values()
-        return [p.name for p in taken if p.default is p.empty and p.name not in dates]
+        return [name for name in self.required if name not in dates]
 
     def share_of_bounds(self, dates: Mapping) -> float:
         """The fault's bounds times this are those of the size. [-] or [1/year]"""

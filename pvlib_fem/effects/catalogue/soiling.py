@@ -1,7 +1,6 @@
 """Soiling between rains, of the module or of the irradiance sensor."""
 
 from dataclasses import replace
-from operator import mul
 
 import numpy as np
 
@@ -60,7 +59,8 @@ def every_rain(
     poa_global: np.ndarray, *days: np.ndarray, even: float, **per_day: float
 ) -> Terms:
     """Constant soiling, and soiling since each of the rains that may clean."""
-    gathered = sum(map(mul, days, per_day.values()))
+    # a slope has one of them
+    gathered = sum(each * size for each, size in zip(days, per_day.values()) if size)
     return Terms(heat=poa_global * (even + gathered))
 
 
