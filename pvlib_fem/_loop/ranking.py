@@ -98,8 +98,9 @@ def ranked(
     for effect in design.changing:
         if effect.name not in names and effect.name not in {*taken}:
             failed.setdefault(effect.name, because(Reason.NO_DATE))
-    tied = [one for one, _ in there]
-    for one, remainder in there:
+    others = [one for one, _ in there]
+    falls = selection.in_sample(others, given)
+    for place, (one, remainder) in enumerate(there):
         score = selection.score(one, given)
         size = len(score.estimate)
         null = score.null + np.diag(np.diag(score.null)) * 1e-9
@@ -113,7 +114,7 @@ def ranked(
             float(fdtrc(size, score.freedom, max(statistic / size, 0.0))),
             float(detectable),
             evidence.known.get(one.name, len(evidence.rows)),
-            equal_candidates(selection, one, tied, given, score),
+            equal_candidates(selection, place, others, falls, given),
             reason_against(
                 one.effect, score, evidence, days, selection.criteria.min_days
             ),
@@ -154,21 +155,24 @@ def errors_needed(one: "Candidate", design: Design, score: "Score") -> float:
 
 def equal_candidates(
     selection: "Selection",
-    one: "Candidate",
-    others: Sequence["Candidate"],
+    place: int,
+    candidates: Sequence["Candidate"],
+    falls: np.ndarray,
     given: Sequence[Column],
-    score: "Score",
 ) -> tuple[str, ...]:
-    """Other candidates that explain as much, given which it has little left."""
+    """
+    Other candidates that explain as much as one, given which it has little left.
+
+    ``falls`` has what each of them explains; ``place`` is that of the one.
+    """
+    one, own = candidates[place], falls[place]
+    score = selection.score(one, given)
     least = selection.criteria.min_hint_reduction**2
-    own = selection.in_sample(one, given)
     if not score.possible or own < least or score.probability < SEEN:
         return ()
     names = []
-    for other in others:
-        if other.name == one.name:
-            continue
-        if selection.in_sample(other, given) < TIED * own:
+    for other, fall in zip(candidates, falls):
+        if other.name == one.name or fall < TIED * own:
             continue
         shared = selection.alike(one, other, given)
         if shared >= TIED and selection.score(other, given).possible:

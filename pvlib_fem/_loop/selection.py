@@ -247,7 +247,7 @@ class Selection:
         given = self.given(choices)
         others = self.candidates(given, names_of(choices), without)
         others = [one for one in others if one.effect.sensor_fault]
-        falls = self.in_samples(others, given)
+        falls = self.in_sample(others, given)
         firsts: dict[str, Candidate] = {}
         for i in np.argsort(-falls, kind="stable"):
             if falls[i] >= self.least:
@@ -365,7 +365,7 @@ class Selection:
         given = self.given(choices)
         best: Choice | None = None
         others = self.candidates(given, names_of(choices), without)
-        falls, most = self.in_samples(others, given), least
+        falls, most = self.in_sample(others, given), least
         # on weeks left out it explains no more than on those that are fitted
         bounds = falls * [worth_share(one, 1.0 / PROFILE_ERROR) for one in others]
         for i in np.argsort(-bounds, kind="stable"):
@@ -397,15 +397,22 @@ class Selection:
         """Share of the record on which it acts: of days, if it is an event."""
         return self.design.acting(one.columns) if one.effect.turns else 1.0
 
-    def in_sample(self, one: Candidate, given: Sequence[Column]) -> float:
-        """Fall of the mean square on the weeks that are fitted. [K²]"""
-        whole = self.design.whole([*given, *one.columns])
-        return float(fall_of_squares(whole, len(one.columns))) / self.design.count
-
-    def in_samples(
+    def in_sample(
         self, candidates: Sequence[Candidate], given: Sequence[Column]
     ) -> np.ndarray:
-        """:meth:`in_sample` of many candidates given the same columns, at once."""
+        """
+        Fall of the mean square on the weeks that are fitted, by each candidate. [K²]
+
+        Parameters
+        ----------
+        candidates : sequence of Candidate
+        given : sequence of int or Changed
+            Columns.
+
+        Returns
+        -------
+        array, shape (candidates,)
+        """
         design, size, falls = self.design, len(given), np.zeros(len(candidates))
         plain = [i for i, one in enumerate(candidates) if not one.effect.sensor_fault]
         places = dict.fromkeys(c for i in plain for c in candidates[i].columns)
@@ -500,7 +507,7 @@ class Selection:
         # a change that is in the model may be the cause of other days, too
         taken = frozenset(names_of(others))
         rivals = [one for one in self.candidates(given) if one.beyond(given)]
-        for one, fall in zip(rivals, self.in_samples(rivals, given)):
+        for one, fall in zip(rivals, self.in_sample(rivals, given)):
             if one.name in members or fall < OVERLAP * choice.fall:
                 continue
             if self.alike(top, one, given) < OVERLAP:

@@ -145,7 +145,8 @@ class Look:
         design = self.selection.design.adding(added)
         limits, closed = self.selection.criteria, self.selection.closed
         selection = Selection(design, limits, closed)
-        if selection.in_sample(self.one, self.given) < OVERLAP * selection.least:
+        (fall,) = selection.in_sample([self.one], self.given)
+        if fall < OVERLAP * selection.least:
             return False  # too small for any set
         selection, choices = selected(design, limits, closed, self.choices)
         choices = selection.refined(choices)
