@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
 #: axes of a table
 Kind = tuple[Axis, ...]
+DIGITS = 9  # of a probability
 TINY = 1e-100  # density of what is as far as anything
 FAR = 0.35  # spread of the part of an effect that holds under other conditions
 USUAL = COLUMNS[:3]
@@ -119,8 +120,9 @@ def with_outside(
             unknown = max(inside, beyond)
         outside += choice.weights[name] * times[OUTSIDE] * prior.odds * unknown
     total = sum(mine.values()) + outside
-    probabilities = {n: p / total for n, p in mine.items()}
-    probabilities[OUTSIDE] = outside / total
+    mine[OUTSIDE] = outside
+    # rounding errors must not choose among causes that are equally probable
+    probabilities = {n: round(p / total, DIGITS) for n, p in mine.items()}
     return replace(choice, probabilities=probabilities)
 
 

@@ -18,6 +18,7 @@ from pvlib_fem._loop.existence import (
     within_bounds,
 )
 from pvlib_fem._loop.noise import random_effects
+from pvlib_fem._statistics.extremes import ALIKE
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
     RIDGE,
@@ -361,20 +362,26 @@ class Selection:
         least: float = 0.0,
         without: str = "",
     ) -> Choice | None:
-        """The choice that is worth most given others, and more than that, or None."""
+        """
+        The choice that is worth most given others, and more than that, or None.
+
+        Of candidates that are worth the same, the first in the order of the dictionary
+        is taken: rounding errors must not choose.
+        """
         given = self.given(choices)
         best: Choice | None = None
         others = self.candidates(given, names_of(choices), without)
         falls, most = self.in_sample(others, given), least
         # on weeks left out it explains no more than on those that are fitted
         bounds = falls * [worth_share(one, 1.0 / PROFILE_ERROR) for one in others]
-        for i in np.argsort(-bounds, kind="stable"):
+        unit = ALIKE * max(bounds.max(initial=0.0), least, 1e-300)
+        for i in np.argsort(-np.round(bounds / unit), kind="stable"):
             if bounds[i] < most:
                 break
             if falls[i] < self.least * self.acting(others[i]):
                 continue
             score = self.score(others[i], given)
-            if self.holds(score) and worth(others[i], score) > most:
+            if self.holds(score) and worth(others[i], score) > most + unit:
                 best, most = Choice(others[i], score), worth(others[i], score)
         return best
 

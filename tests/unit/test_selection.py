@@ -785,3 +785,62 @@ def test_a_round_begins_with_the_choices_of_the_one_before(monkeypatch):
     close_loop(simulator.record(effects=effects, days=200, step=900, seed=2))
     assert begun[0][0] == set() and len(begun) > 1
     assert begun[1][0] == begun[0][1] == begun[1][1] != set()
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_of_causes_with_the_same_column_the_first_is_taken(order):
+    """The sign of the last digits must not choose: it differs between machines."""
+    random, (days, hours) = np.random.default_rng(7), clock(200)
+    names = ["module_sensor_contact_step", "mounting_step"][::order]
+    rest = 1.0 * (days >= 90) + noise(random, len(days))
+    slow = np.sin(days / 30.0)
+    for _ in range(5):
+        twist = 1.0 + 1e-15 * random.normal(size=len(days))
+        changing = [CHANGES[name] for name in names]
+        made = design(rest * twist, {"slow": slow}, days, hours, changing)
+        # the second is the same column once more, but for its last digits
+        cells = np.column_stack([made.cells, made.cells[:, 2] * twist])
+        faults = [CHANGES[name].sensor_fault for name in names]
+        made = replace(
+            made,
+            names=(*made.names, "again"),
+            cells=cells,
+            scale=np.append(made.scale, 1.0),
+            sensor_faults=dict(zip(faults, (2, 3))),
+        )
+        selection = Selection(made, CRITERIA)
+        best = selection.best([])
+        choice = selection.weighed(best, [])
+        choice = with_outside(made, choice, [*made.base], CRITERIA)
+        one, other = (choice.probabilities[name] for name in names)
+        assert best.top.name == choice.first == names[0]
+        assert one == other > 0.3
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_candidates_explain_together_what_each_explains_alone(seed):
+    random, (days, hours) = np.random.default_rng(seed), clock(120)
+    columns = {name: random.normal(size=len(days)) for name in ("one", "other")}
+    rest = random.normal(size=len(days)) + 0.5 * (days >= 60)
+    made = design(rest, columns, days, hours, [*CHANGES.values()][:6])
+    selection = Selection(made, CRITERIA)
+    change = next(dated_candidates(made, [1], 21, 0.1)).columns[0]
+    for given_columns in ([1], [1, 2], [1, change]):
+        some = [*dated_candidates(made, given_columns, 21, 0.1)]
+        falls = selection.in_sample(some, given_columns)
+        for one, fall in zip(some, falls):
+            if not one.beyond(given_columns):
+                continue
+            table = [made.values(c) for c in [*given_columns, *one.columns]]
+            squares = [
+                np.square(made.cells[:, 0] - fitted(part, made.cells[:, 0])).sum()
+                for part in (table[:-1], table)
+            ]
+            expected = (squares[0] - squares[1]) / len(rest)
+            assert fall == pytest.approx(expected, rel=1e-5, abs=1e-9)
+
+
+def fitted(columns, values):
+    """Least squares of values by columns."""
+    table = np.column_stack(columns)
+    return table @ np.linalg.lstsq(table, values, rcond=None)[0]
