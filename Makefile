@@ -6,7 +6,7 @@ HUB ?= time-shift-validation-hub
 ORACLE = $(VENV)/oracle-study $(VENV)/oracle-instruments
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
-.PHONY: demo test test-all fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments study-trackers study-events recovery
+.PHONY: demo test test-all fuzz lint dist docs benchmark quality offsets energy study study-measured study-weather study-instruments study-trackers study-events recovery
 .PHONY: fleet gate ceiling reliability detectors oracle sweep coverage parameters periods profiles episodes figure clean
 
 $(VENV)/.installed: pyproject.toml
@@ -95,6 +95,10 @@ oracle: $(VENV)/.installed
 # what it says of the two measured records of years when their weeks are drawn anew
 study-measured: $(VENV)/.installed
 	$(BIN)/python studies/study_measured.py --out docs/study_measured.md
+
+# what it says of measured weather with modules by models that it does not fit
+study-weather: $(VENV)/.installed
+	$(BIN)/python studies/study_weather.py --out docs/study_weather.md
 
 # how much of these records trees on their own columns explain that know no cause
 ceiling: $(VENV)/.installed

@@ -19,6 +19,7 @@ PAGES = {
     "study_recovery": "study_recovery",
     "study_reliability": "study_reliability",
     "study_trackers": "study_trackers",
+    "study_weather": "study_weather",
     "sweep": "sensitivity",
 }
 TEXTS = ("INTRO", "METHOD", "APART", "OUTRO", "WITHOUT", "LASTING", "LIMITS")
