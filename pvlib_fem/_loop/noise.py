@@ -7,7 +7,7 @@ acts, and no residual along its own drivers. An effect that replaces an unknown 
 loses its size within those tables, or has a residual as large as what it explains.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -35,8 +35,9 @@ if TYPE_CHECKING:
     from pvlib_fem._loop.dictionary import Candidate
     from pvlib_fem._loop.selection import Choice
 
-#: axes of a table
-Kind = tuple[Axis, ...]
+Kind = tuple[Axis, ...]  # axes of a table
+#: values of cells to the mean of each one's group
+Means = Callable[[np.ndarray], np.ndarray]
 DIGITS = 9  # of a probability
 TINY = 1e-100  # density of what is as far as anything
 FAR = 0.35  # spread of the part of an effect that holds under other conditions
@@ -260,12 +261,11 @@ class WithinCells:
 
     design: "Design"
     given: Sequence["Column"]  # of the base and of other choices
-    #: of each table, the group of each cell and the residual and given columns
-    known: dict[Kind, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+    known: dict[Kind, tuple[Means, np.ndarray]] = field(default_factory=dict)
 
-    def parts(self, kind: Kind) -> tuple[np.ndarray, np.ndarray]:
+    def parts(self, kind: Kind) -> tuple[Means, np.ndarray]:
         """
-        Group of each cell in a table, and the columns less their means there.
+        Means in the cells of a table, and residual and given columns less theirs.
 
         Parameters
         ----------
@@ -277,7 +277,7 @@ class WithinCells:
             groups = renumbered_groups(cell_numbers(kind)[0]) if kind else design.weeks
             mean = group_means(groups, design.rows)
             columns = [design.cells[:, 0], *map(design.values, self.given)]
-            self.known[kind] = groups, np.array([one - mean(one) for one in columns])
+            self.known[kind] = mean, np.array([one - mean(one) for one in columns])
         return self.known[kind]
 
     def products(self, own: Sequence["Column"], kind: Kind) -> np.ndarray:
@@ -297,8 +297,7 @@ class WithinCells:
         -------
         array, shape (weeks, columns, columns)
         """
-        design, (groups, given) = self.design, self.parts(kind)
-        mean = group_means(groups, design.rows)
+        design, (mean, given) = self.design, self.parts(kind)
         columns = []
         for column in own:
             values = design.values(column)

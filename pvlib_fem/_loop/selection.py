@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from pvlib_fem._loop.change_dates import Scan, first_days, number_of_dates
-from pvlib_fem._loop.change_sums import PROFILE_ERROR, dates_cost
+from pvlib_fem._loop.change_sums import PROFILE_ERROR, UNSEEN, dates_cost
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.design import Column, Design, columns_of, place_of
 from pvlib_fem._loop.dictionary import Candidate, dated_candidates, without_dates
@@ -21,7 +21,6 @@ from pvlib_fem._loop.noise import random_effects
 from pvlib_fem._statistics.extremes import ALIKE
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
-    RIDGE,
     LeastSquares,
     explainable_share,
     fall_of_squares,
@@ -440,10 +439,9 @@ class Selection:
             rows = np.array([design.row(candidates[i].change, given) for i in dated])
             mine = np.linalg.solve(whole[1 : size + 1, 1 : size + 1], rows[:, 1:-1].T)
             scores = rows[:, 0] - whole[0, 1 : size + 1] @ mine
-            squares = (1.0 + RIDGE) * rows[:, -1] - np.einsum(
-                "ij,ji->i", rows[:, 1:-1], mine
-            )
-            falls[dated] = scores**2 / np.maximum(squares, 1e-300)
+            squares = rows[:, -1] - np.einsum("ij,ji->i", rows[:, 1:-1], mine)
+            seen = squares > UNSEEN * rows[:, -1]
+            falls[dated] = np.where(seen, scores**2 / np.where(seen, squares, 1.0), 0.0)
         return falls / design.count
 
     def alike(self, one: Candidate, other: Candidate, given: Sequence[Column]) -> float:

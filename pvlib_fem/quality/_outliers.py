@@ -122,9 +122,11 @@ def slots(index: pd.DatetimeIndex, limits: Limits) -> tuple[np.ndarray, np.ndarr
         From 0 at midnight.
     """
     local = (index if index.tz is None else index.tz_localize(None)).to_numpy()
-    day = local.astype("M8[D]")
-    seconds = (local - day) / np.timedelta64(1, "s")
-    return day.astype("i8"), (seconds // limits.daylight_tolerance).astype(int)
+    counts = local.view("i8")
+    length = np.timedelta64(1, "D") // np.timedelta64(1, index.unit)
+    day = counts // length
+    part = limits.daylight_tolerance * length / 86400.0
+    return day, ((counts - day * length) / part).astype(int)
 
 
 def packed(days: np.ndarray, side: int) -> np.ndarray:

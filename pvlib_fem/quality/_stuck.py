@@ -363,29 +363,15 @@ class Extents:
                 self.resolve(name, columns[name])
         for name in {"over", "warmth"} & others:
             columns[name] = seen_by(name, columns)
-        count = block.times
         for name, runs in self.standing.items():
             end = runs.last >= block.start
             near = np.flatnonzero(end & (runs.first < block.start + len(block)))
-            for i in near:
-                for other, margin in SEEN_BY[name]:
-                    inner = getattr(self.limits, margin) if margin else 0.0
-                    rows = self.rows(block, count, runs, i, inner)
-                    merge(self.bounds[name, other, margin], i, columns[other][rows])
-
-    @staticmethod
-    def rows(
-        block: Block, count: np.ndarray, runs: Runs, i: Any, margin: float
-    ) -> slice:
-        """Rows of a block that lie in the i-th repetition, within a margin."""
-        first = max(runs.first[i] - block.start, 0)
-        last = min(runs.last[i] + 1 - block.start, len(block))
-        if margin:
-            unit = block.inputs.unit
-            seconds = (count[first:last] - runs.begin[i]) * unit
-            end = np.searchsorted(seconds, runs.time[i] - margin, "right")
-            return slice(first + np.searchsorted(seconds, margin), first + end)
-        return slice(first, last)
+            for other, margin in SEEN_BY[name] if len(near) else ():
+                inner = getattr(self.limits, margin) if margin else 0.0
+                first, end = rows_inside(block, runs.some(near), inner)
+                kept = end > first
+                bounds = self.bounds[name, other, margin]
+                merge(bounds, near[kept], columns[other], first[kept], end[kept])
 
     def as_felt(self, block: Block) -> np.ndarray:
         """Irradiance as the module feels it, carried on from the blocks before."""
@@ -420,16 +406,68 @@ class Extents:
         return extent
 
 
-def merge(bounds: np.ndarray, i: Any, values: np.ndarray) -> None:
+def rows_inside(
+    block: Block, runs: Runs, margin: float
+) -> tuple[np.ndarray, np.ndarray]:
     """
-    Take further values into the least and largest of the i-th repetition.
+    Rows of a block that lie in each of some repetitions, within a margin.
 
-    Its last row waits until another comes, as in memory.
+    Parameters
+    ----------
+    block : Block
+    runs : Runs
+        Repetitions that have rows of the block.
+    margin : float
+        Time from either end of each. [s]
+
+    Returns
+    -------
+    first, end : array of int, shape (repetitions,)
+        The first of these rows, and the one after the last.
     """
-    if not len(values):
+    first = np.maximum(runs.first - block.start, 0)
+    end = np.minimum(runs.last + 1 - block.start, len(block))
+    if margin:
+        inner = runs.begin + np.array([margin, -margin])[:, None] / block.inputs.unit
+        inner[1] += runs.time / block.inputs.unit
+        first = np.maximum(first, np.searchsorted(block.times, inner[0], "left"))
+        end = np.minimum(end, np.searchsorted(block.times, inner[1], "right"))
+    return first, end
+
+
+def merge(
+    bounds: np.ndarray,
+    runs: np.ndarray,
+    values: np.ndarray,
+    first: np.ndarray,
+    end: np.ndarray,
+) -> None:
+    """
+    Take further values into the least and largest of some repetitions.
+
+    The last row of each waits until another comes, as in memory.
+
+    Parameters
+    ----------
+    bounds : array, shape (3, repetitions)
+        Least, largest and last value of each, which are changed.
+    runs : array of int
+        Places of the repetitions that have rows.
+    values : array, shape (rows,)
+        Of a block.
+    first, end : array of int
+        First row of each, and the one after its last.
+    """
+    if not len(runs):
         return
-    before = np.append(bounds[:, i], values[:-1])
-    bounds[:, i] = np.fmin.reduce(before), np.fmax.reduce(before), values[-1]
+    low, high, last = bounds[:, runs]
+    low, high = np.fmin(low, last), np.fmax(high, last)
+    edges = np.column_stack([first, end - 1]).ravel()
+    more = end - 1 > first
+    for row, extreme, known in ((0, np.fmin, low), (1, np.fmax, high)):
+        found = extreme.reduceat(values, edges)[::2]
+        bounds[row, runs] = np.where(more, extreme(known, found), known)
+    bounds[2, runs] = values[end - 1]
 
 
 def may_rest(wind: np.ndarray, rest: float, usual: float, limits: Limits) -> bool:
