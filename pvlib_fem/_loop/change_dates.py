@@ -78,7 +78,7 @@ class Scan:
         """
         rows = self.design.by_day(place, self.given) * self.trust[:, None]
         scores = rows[:, 0] - rows[:, 1:] @ self.solved
-        squares = self.design.daily[:, place, place] * self.trust
+        squares = self.design.daily(place)[:, place] * self.trust
         table = np.column_stack([scores, squares, rows[:, 1:] @ self.root])
         years = (self.design.dates - self.design.dates[0]) / YEAR
         return ChangeSums(table, years, low, high)

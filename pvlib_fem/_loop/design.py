@@ -289,9 +289,31 @@ class Design:
         return np.flatnonzero(np.diff(self.days, prepend=self.days[:1] - 1))
 
     @cached_property
-    def daily(self) -> np.ndarray:
-        """Daily sums of products: an array of (days, columns, columns)."""
-        return products(self.cells, self.rows, np.append(self.first, len(self.rows)))
+    def daily_sums(self) -> dict[int, np.ndarray]:
+        """Of each column that changes, what :meth:`daily` returns, made once."""
+        return {}
+
+    def daily(self, place: int) -> np.ndarray:
+        """
+        Daily sums of products of a column with every column.
+
+        Parameters
+        ----------
+        place : int
+            Of the column.
+
+        Returns
+        -------
+        array, shape (days, columns)
+        """
+        if place not in self.daily_sums:
+            self.daily_sums[place] = self.by_days(self.cells[:, place])
+        return self.daily_sums[place]
+
+    def by_days(self, column: np.ndarray) -> np.ndarray:
+        """Daily sums of products of values of the cells with every column."""
+        each = (column * self.rows)[:, None] * self.cells
+        return np.add.reduceat(each, self.first)
 
     @cached_property
     def clusters(self) -> np.ndarray:
@@ -313,7 +335,8 @@ class Design:
     @cached_property
     def weekly(self) -> np.ndarray:
         """Weekly sums of products: an array of (weeks, columns, columns)."""
-        return np.add.reduceat(self.daily, self.clusters, axis=0)
+        edges = np.append(self.first[self.clusters], len(self.rows))
+        return products(self.cells, self.rows, edges)
 
     @cached_property
     def total(self) -> np.ndarray:
@@ -324,7 +347,7 @@ class Design:
     def in_days(self) -> "Design":
         """The design whose errors come from the spread between days."""
         design = replace(self, daily_draws=True)
-        vars(design)["daily"] = self.daily
+        vars(design)["daily_sums"] = self.daily_sums
         return design
 
     def fit_for(self, effects: Iterable[Effect]) -> "Design":
@@ -348,7 +371,8 @@ class Design:
         columns : sequence of int or Changed
         """
         places = [place_of(column) for column in columns]
-        squares = self.daily[:, places, places].sum(axis=1)
+        cells = np.square(self.cells[:, places]).sum(axis=1) * self.rows
+        squares = np.add.reduceat(cells, self.first)
         if not squares.any():
             return 1.0
         return effective_number(squares) / len(squares)
@@ -379,10 +403,9 @@ class Design:
         if change not in self.made:
             weights = self.weights(change)
             if self.noise:
-                column = self.values(change) * self.rows
-                rows = np.add.reduceat(column[:, None] * self.cells, self.first)
+                rows = self.by_days(self.values(change))
             else:
-                rows = self.daily[:, change.place] * weights[:, None]
+                rows = self.daily(change.place) * weights[:, None]
             self.made[change] = weights, rows
         return self.made[change]
 
@@ -510,7 +533,7 @@ class Design:
             product = self.values(change) * self.values(other) * self.rows
             return np.add.reduceat(product, self.first)
         both = self.parts(change)[0] * self.parts(other)[0]
-        return both * self.daily[:, change.place, other.place]
+        return both * self.daily(change.place)[:, other.place]
 
     def by_day(self, place: int, columns: Sequence[Column]) -> np.ndarray:
         """
@@ -527,13 +550,14 @@ class Design:
         array, shape (days, len(columns) + 1)
         """
         table = np.empty((len(self.dates), len(columns) + 1))
-        table[:, 0] = self.daily[:, place, 0]
+        daily = self.daily(place)
+        table[:, 0] = daily[:, 0]
         for i, column in enumerate(columns):
             if isinstance(column, int):
-                table[:, i + 1] = self.daily[:, place, column]
+                table[:, i + 1] = daily[:, column]
             else:
                 weights = self.parts(column)[0]
-                table[:, i + 1] = weights * self.daily[:, place, column.place]
+                table[:, i + 1] = weights * daily[:, column.place]
         return table
 
     def values(self, column: Column) -> np.ndarray:
