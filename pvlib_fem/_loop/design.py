@@ -6,7 +6,7 @@ all columns are computed once. A change of an instrument from a date on is a col
 times a weight of each day, so that no date needs a pass over the rows.
 """
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Self
@@ -384,7 +384,7 @@ class Design:
 
     @cached_property
     def made(self) -> dict[Changed, tuple[np.ndarray, np.ndarray]]:
-        """Weights of changes, and their daily products with all columns, made once."""
+        """Weights of changes, and their weekly products with all columns, made once."""
         return {}
 
     def weights(self, change: Changed) -> np.ndarray:
@@ -393,20 +393,20 @@ class Design:
 
     def parts(self, change: Changed) -> tuple[np.ndarray, np.ndarray]:
         """
-        Weights of a change, and its daily products with every column.
+        Weights of a change, and its weekly products with every column.
 
         Returns
         -------
         weights : array, shape (days,)
-        products : array, shape (days, columns)
+        products : array, shape (weeks, columns)
         """
         if change not in self.made:
             weights = self.weights(change)
             if self.noise:
-                rows = self.by_days(self.values(change))
+                daily = self.by_days(self.values(change))
             else:
-                rows = self.daily(change.place) * weights[:, None]
-            self.made[change] = weights, rows
+                daily = self.daily(change.place) * weights[:, None]
+            self.made[change] = weights, np.add.reduceat(daily, self.clusters)
         return self.made[change]
 
     @cached_property
@@ -466,11 +466,7 @@ class Design:
         -------
         array, shape (weeks, len(columns) + 1, len(columns) + 1)
         """
-
-        def sums(rows: np.ndarray) -> np.ndarray:
-            return np.add.reduceat(rows, self.clusters, axis=0)
-
-        return self.products(columns, self.weekly, sums)
+        return self.products(columns, self.weekly)
 
     def whole(self, columns: Sequence[Column]) -> np.ndarray:
         """
@@ -484,15 +480,14 @@ class Design:
         -------
         array, shape (len(columns) + 1, len(columns) + 1)
         """
-        return self.products(columns, self.total, lambda rows: rows.sum(axis=0))
+        return self.products(columns, self.total)
 
-    def products(
-        self,
-        columns: Sequence[Column],
-        known: np.ndarray,
-        sums: Callable[[np.ndarray], np.ndarray],
-    ) -> np.ndarray:
-        """Products of the residual and some columns, from daily ones."""
+    def products(self, columns: Sequence[Column], known: np.ndarray) -> np.ndarray:
+        """Products of the residual and some columns, from those of all columns."""
+
+        def sums(rows: np.ndarray) -> np.ndarray:
+            return rows if known.ndim > 2 else rows.sum(axis=0)
+
         places = np.array([0, *map(place_of, columns)])
         size, many = len(places), known.shape[-1]
         # one flat index is faster than two, and the table is contiguous
@@ -528,12 +523,13 @@ class Design:
         return np.append(row, self.crossed(change, change).sum())
 
     def crossed(self, change: Changed, other: Changed) -> np.ndarray:
-        """Daily products of two changes."""
+        """Weekly products of two changes."""
         if self.noise:
             product = self.values(change) * self.values(other) * self.rows
-            return np.add.reduceat(product, self.first)
+            return np.add.reduceat(product, self.first[self.clusters])
         both = self.parts(change)[0] * self.parts(other)[0]
-        return both * self.daily(change.place)[:, other.place]
+        daily = self.daily(change.place)[:, other.place]
+        return np.add.reduceat(both * daily, self.clusters)
 
     def by_day(self, place: int, columns: Sequence[Column]) -> np.ndarray:
         """
