@@ -1,9 +1,10 @@
 """
-The linearised fit: hourly, daily and weekly tangents and residuals.
+The linearised fit: hourly tangents and residuals, and their weekly products.
 
-The selection solves least-squares problems of a few columns. Products of daily sums of
-all columns are computed once. A change of an instrument from a date on is a column
-times a weight of each day, so that no date needs a pass over the rows.
+The selection solves least-squares problems of a few columns. Weekly products of all
+columns are summed once. A change of an instrument from a date on is a column times a
+weight of each day: daily products of its column are summed once, so that no date needs
+a pass over the cells.
 """
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
