@@ -451,7 +451,23 @@ def write_parquet(path: FilePath, blocks: Iterable[tuple], name: str) -> None:
 def in_zone(
     index: pd.DatetimeIndex, tz: Any, naive: bool = False, late: Any = None
 ) -> Any:
-    """Instants in a zone, or naive times of it, some for the second time."""
+    """
+    Instants in a zone, or naive times of it, some for the second time.
+
+    Parameters
+    ----------
+    index : DatetimeIndex
+        In UTC without a zone, or with ``naive`` local times.
+    tz : str or tzinfo, optional
+        None leaves the times as they are.
+    naive : bool, default False
+    late : array of bool, shape (rows,), optional
+        Naive times of an hour that autumn has twice which are the second one.
+
+    Returns
+    -------
+    DatetimeIndex
+    """
     if tz is None:
         return index
     if naive:
