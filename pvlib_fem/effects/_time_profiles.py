@@ -45,7 +45,7 @@ def day_number(date: str) -> float:
         raise ValueError(words) from error
 
 
-@lru_cache(maxsize=4096)  # a search asks for the same dates again and again
+@lru_cache(maxsize=4096, typed=True)  # a search asks for the same dates again and again
 def parsed_day(date: str) -> float:
     """Days of a date since 1970-01-01, or an error."""
     days = (pd.Timestamp(date) - pd.Timestamp(0)) / pd.Timedelta("1D")
