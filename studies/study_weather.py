@@ -17,6 +17,7 @@ import pandas as pd
 import pvlib
 from pvlib.location import Location
 from study_gate import Found
+from study_instruments import SAME, changed
 from study_page import publish
 from study_records import sets
 
@@ -107,96 +108,60 @@ MODULES = {
 
 @dataclass(frozen=True)
 class Cause:
-    """What is done to a record, and which names are right for it."""
+    """A change of an instrument, or heat that no effect of the catalogue brings."""
 
     name: str
-    #: to a record, with masks of the rows from a date on and of those of 100 days
-    done: Callable
-    truths: frozenset = frozenset()
-    unknown: bool = False  # whether it is outside the catalogue
+    channel: str = ""  # of the instrument, as in the study of instruments
+    course: str = ""
+    size: float = 0.0
+    heat: Callable | None = None  # of a record [K]
 
+    @property
+    def unknown(self):
+        """Whether it is outside the catalogue."""
+        return self.heat is not None
 
-def contact(data, some):
-    over = data["temp_module"] - data["temp_air"]
-    return data.assign(temp_module=data["temp_air"] + over * (1.0 - 0.12 * some))
+    @property
+    def truths(self):
+        """Names that are right for it."""
+        channels = SAME.get(self.channel, (self.channel,)) if self.channel else ()
+        return frozenset(f"{name}_{self.course}" for name in channels)
 
-
-def irradiance(data, share):
-    return data.assign(poa_global=data["poa_global"] * (1.0 + share))
-
-
-def years_of(data):
-    return (data.index - data.index[0]) / pd.Timedelta(days=365.25)
-
-
-def heated(data, some, size):
-    return data.assign(temp_module=data["temp_module"] + size * some)
+    def done(self, data, after, some_days):
+        """The record with it; masks of rows from a date on, and of 100 days."""
+        if self.unknown:
+            return data.assign(temp_module=data["temp_module"] + self.heat(data))
+        years = np.asarray((data.index - data.index[0]) / pd.Timedelta(days=365.25))
+        weights = {"step": after, "episode": some_days, "drift": years}
+        return changed(data, self.channel, self.size, weights.get(self.course))
 
 
 def in_hours(data, first, last):
     return (data.index.hour >= first) & (data.index.hour < last)
 
 
-def fanned(data):
+def fan(data):
     on = in_hours(data, 9, 16) & (data.index.day_of_week < 5)
-    over = data["temp_module"] - data["temp_air"]
-    return heated(data, on, -0.2 * over)
+    return -0.2 * on * (data["temp_module"] - data["temp_air"])
 
 
+CONTACT = "contact of the module sensor, 12 %"
 CAUSES = (
-    Cause("nothing", lambda data, after, some_days: data),
-    Cause(
-        "contact of the module sensor, 12 %, from a date on",
-        lambda data, after, some_days: contact(data, after),
-        frozenset({"module_sensor_contact_step", "mounting_step"}),
-    ),
-    Cause(
-        "contact of the module sensor, 12 %, for 100 days",
-        lambda data, after, some_days: contact(data, some_days),
-        frozenset({"module_sensor_contact_episode", "mounting_episode"}),
-    ),
-    Cause(
-        "irradiance sensor, −4 % a year",
-        lambda data, after, some_days: irradiance(data, -0.04 * years_of(data)),
-        frozenset({"irradiance_sensor_drift"}),
-    ),
-    Cause(
-        "irradiance sensor, −10 % from a date on",
-        lambda data, after, some_days: irradiance(data, -0.1 * after),
-        frozenset({"irradiance_sensor_step"}),
-    ),
-    Cause(
-        "air temperature sensor, 2 K from a date on",
-        lambda data, after, some_days: data.assign(
-            temp_air=data["temp_air"] + 2.0 * after
-        ),
-        frozenset({"air_offset_step"}),
-    ),
-    Cause(
-        "anemometer, −30 % from a date on",
-        lambda data, after, some_days: data.assign(
-            wind_speed=data["wind_speed"] * (1.0 - 0.3 * after)
-        ),
-        frozenset({"anemometer_step"}),
-    ),
-    Cause(
-        "a fan behind the modules on weekdays",
-        lambda data, after, some_days: fanned(data),
-        unknown=True,
-    ),
-    Cause(
-        "2.5 K from 17 to 22 h",
-        lambda data, after, some_days: heated(data, in_hours(data, 17, 22), 2.5),
-        unknown=True,
-    ),
+    Cause("nothing"),
+    Cause(f"{CONTACT}, from a date on", "module_sensor_contact", "step", 0.12),
+    Cause(f"{CONTACT}, for 100 days", "module_sensor_contact", "episode", 0.12),
+    Cause("irradiance sensor, −4 % a year", "irradiance_sensor", "drift", 0.04),
+    Cause("irradiance sensor, −10 % from a date on", "irradiance_sensor", "step", 0.1),
+    Cause("air temperature sensor, 2 K from a date on", "air_offset", "step", 2.0),
+    Cause("anemometer, −30 % from a date on", "anemometer", "step", 0.3),
+    Cause("a fan behind the modules on weekdays", heat=fan),
+    Cause("2.5 K from 17 to 22 h", heat=lambda data: 2.5 * in_hours(data, 17, 22)),
     Cause(
         "light from a wall from 15 to 17 h",
-        lambda data, after, some_days: heated(
-            data, in_hours(data, 15, 17), 0.003 * data["poa_global"]
-        ),
-        unknown=True,
+        heat=lambda data: 0.003 * data["poa_global"] * in_hours(data, 15, 17),
     ),
 )
+CAUSES_WITH_TRUTH = {cause.name for cause in CAUSES if cause.truths}
 
 
 def record(plant, year, module):
@@ -284,9 +249,6 @@ def counted(rows, key):
             f"{some['patterns'].median():.2f}",
         )
         yield f"| {name} | {' | '.join(cells)} |"
-
-
-CAUSES_WITH_TRUTH = {cause.name for cause in CAUSES if cause.truths}
 
 
 def page(rows, periods):
