@@ -10,7 +10,7 @@ import pandas as pd
 
 from pvlib_fem._record.checks import SECONDS, instants
 from pvlib_fem._record.inputs import Inputs
-from pvlib_fem._record.parquet import ROWS, Block, ParquetRecord, in_zone
+from pvlib_fem._record.parquet import ROWS, Block, ParquetRecord, times_of_counts
 
 NONE = np.empty((0, 2), dtype=np.int64)
 
@@ -61,8 +61,7 @@ class FrameRecord:
     def index(self, counts: Any) -> Any:
         """The times of such counts."""
         whole: Any = self.inputs.index
-        times = np.asarray(counts, dtype="i8").view(f"M8[{whole.unit}]")
-        return in_zone(pd.DatetimeIndex(times), whole.tz)
+        return times_of_counts(counts, whole.unit, whole.tz)
 
     def blocks(self, names: tuple, rows: int = ROWS) -> Iterator:
         """The columns of some names, in blocks of rows."""

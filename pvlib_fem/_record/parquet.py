@@ -158,8 +158,7 @@ class ParquetRecord:
 
     def index(self, counts: np.ndarray) -> pd.DatetimeIndex:
         """The times of counts of the unit since 1970, in the record's zone."""
-        times = np.asarray(counts, dtype="i8").view(f"M8[{self.unit}]")
-        return in_zone(pd.DatetimeIndex(times), self.tz)
+        return times_of_counts(counts, self.unit, self.tz)
 
     def without(self, name: str) -> Self:
         """The record with 0 for a column that no file has."""
@@ -448,26 +447,31 @@ def write_parquet(path: FilePath, blocks: Iterable[tuple], name: str) -> None:
             writer.close()
 
 
-def in_zone(
-    index: pd.DatetimeIndex, tz: Any, naive: bool = False, late: Any = None
-) -> Any:
+def times_of_counts(counts: Any, unit: str, tz: Any) -> pd.DatetimeIndex:
     """
-    Instants in a zone, or naive times of it, some for the second time.
+    The times of counts since 1970.
 
     Parameters
     ----------
-    index : DatetimeIndex
-        In UTC without a zone, or with ``naive`` local times.
+    counts : array of int, shape (rows,)
+        In UTC, or without a zone.
+    unit : str
+        What is counted, such as ``"ns"``.
     tz : str or tzinfo, optional
-        None leaves the times as they are.
-    naive : bool, default False
-    late : array of bool, shape (rows,), optional
-        Naive times of an hour that autumn has twice which are the second one.
+        Zone of the times.
 
     Returns
     -------
-    DatetimeIndex
+    DatetimeIndex, length rows
     """
+    times = np.asarray(counts, dtype="i8").view(f"M8[{unit}]")
+    return in_zone(pd.DatetimeIndex(times), tz)
+
+
+def in_zone(
+    index: pd.DatetimeIndex, tz: Any, naive: bool = False, late: Any = None
+) -> Any:
+    """Instants in a zone, or naive times of it, some for the second time."""
     if tz is None:
         return index
     if naive:
