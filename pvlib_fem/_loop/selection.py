@@ -18,7 +18,7 @@ from pvlib_fem._loop.existence import (
     within_bounds,
 )
 from pvlib_fem._loop.noise import random_effects
-from pvlib_fem._statistics.extremes import ALIKE
+from pvlib_fem._statistics.extremes import ALIKE, largest_first
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,
@@ -249,7 +249,7 @@ class Selection:
         others = [one for one in others if one.effect.sensor_fault]
         falls = self.in_sample(others, given)
         firsts: dict[str, Candidate] = {}
-        for i in np.argsort(-falls, kind="stable"):
+        for i in largest_first(falls):
             if falls[i] >= self.least:
                 firsts.setdefault(others[i].time_profile, others[i])
         for one in firsts.values():
@@ -373,14 +373,13 @@ class Selection:
         falls, most = self.in_sample(others, given), least
         # on weeks left out it explains no more than on those that are fitted
         bounds = falls * [worth_share(one, 1.0 / PROFILE_ERROR) for one in others]
-        unit = ALIKE * max(bounds.max(initial=0.0), least, 1e-300)
-        for i in np.argsort(-np.round(bounds / unit), kind="stable"):
+        for i in largest_first(bounds):
             if bounds[i] < most:
                 break
             if falls[i] < self.least * self.acting(others[i]):
                 continue
             score = self.score(others[i], given)
-            if self.holds(score) and worth(others[i], score) > most + unit:
+            if self.holds(score) and worth(others[i], score) > most * (1.0 + ALIKE):
                 best, most = Choice(others[i], score), worth(others[i], score)
         return best
 
@@ -427,17 +426,15 @@ class Selection:
         whole[1:, 1:] = with_ridge(whole[1:, 1:])
         own = [0, *range(size + 1, len(whole))]
         cross = whole[1 : size + 1, own]
-        beyond = whole[np.ix_(own, own)]
-        beyond = beyond - cross.T @ np.linalg.solve(
-            whole[1 : size + 1, 1 : size + 1], cross
-        )
+        base = whole[1 : size + 1, 1 : size + 1]
+        beyond = whole[np.ix_(own, own)] - cross.T @ np.linalg.solve(base, cross)
         for i in plain:
             at = [order[c] for c in candidates[i].columns if c in order]
             score = beyond[at, 0]
             falls[i] = score @ np.linalg.solve(beyond[np.ix_(at, at)], score)
         if dated := [i for i, one in enumerate(candidates) if one.effect.sensor_fault]:
             rows = np.array([design.row(candidates[i].change, given) for i in dated])
-            mine = np.linalg.solve(whole[1 : size + 1, 1 : size + 1], rows[:, 1:-1].T)
+            mine = np.linalg.solve(base, rows[:, 1:-1].T)
             scores = rows[:, 0] - whole[0, 1 : size + 1] @ mine
             squares = rows[:, -1] - np.einsum("ij,ji->i", rows[:, 1:-1], mine)
             seen = squares > UNSEEN * rows[:, -1]

@@ -46,3 +46,20 @@ def rounded_argmax(gains: Any) -> int:
     gains = np.ravel(gains)
     most = gains.max()
     return int(np.argmax(gains >= most - ALIKE * abs(most)))
+
+
+def largest_first(gains: np.ndarray) -> np.ndarray:
+    """
+    Places of some gains, the largest first, and equal ones in their order.
+
+    Parameters
+    ----------
+    gains : array, shape (gains,)
+        Gains without NaN, which are equal up to rounding errors of the largest.
+
+    Returns
+    -------
+    array of int, shape (gains,)
+    """
+    unit = ALIKE * max(np.abs(gains).max(initial=0.0), 1e-300)
+    return np.argsort(-np.round(gains / unit), kind="stable")
