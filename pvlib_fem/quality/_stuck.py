@@ -366,9 +366,12 @@ class Extents:
         for name, runs in self.standing.items():
             end = runs.last >= block.start
             near = np.flatnonzero(end & (runs.first < block.start + len(block)))
-            for other, margin in SEEN_BY[name] if len(near) else ():
+            if not len(near):
+                continue
+            some = runs.some(near)
+            for other, margin in SEEN_BY[name]:
                 inner = getattr(self.limits, margin) if margin else 0.0
-                first, end = rows_inside(block, runs.some(near), inner)
+                first, end = rows_inside(block, some, inner)
                 kept = end > first
                 bounds = self.bounds[name, other, margin]
                 merge(bounds, near[kept], columns[other], first[kept], end[kept])

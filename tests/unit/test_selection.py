@@ -440,9 +440,8 @@ def test_what_stands_for_an_unknown_schedule_is_outside():
     own = pump + 0.3 * np.abs(random.normal(size=len(days)))
     rest = 3.0 * pump + noise(random, len(days))
     made, one, choice = chosen(rest, own, days, hours)
-    share, _ = remaining_shares(one, WithinCells(made, [*made.base]))[
-        0
-    ]  # by hour and month
+    shares = remaining_shares(one, WithinCells(made, [*made.base]))
+    share, _ = shares[0]  # by hour and month
     assert share < 0.3
     assert choice.probabilities[OUTSIDE] > 0.5
 
