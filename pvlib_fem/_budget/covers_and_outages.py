@@ -1,4 +1,4 @@
-"""Find outages and covers by power and the module's temperature."""
+"""Find outages, covers and low power by power and the module's temperature."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -13,6 +13,7 @@ from pvlib_fem._budget.unusual_days import AROUND
 from pvlib_fem._converter import AnyFloat
 from pvlib_fem.drivers._plant_irradiance import (
     LEAST,
+    MISSING,
     NONE,
     irradiances_agree,
     lost_irradiance,
@@ -158,7 +159,8 @@ def events_in(hours: Hours, spread: float, total: float, shares: dict) -> pd.Dat
     If power deviates from its expectation for two hours or more of a day, the module's
     temperature decides: it is nearer to its value with a cover, or without one. If
     power deviates less, both have to differ from their usual values at the same hours.
-    An hour without power and without a cover is an outage, if a cover would be visible.
+    An hour without power and without a cover is an outage, and one with less power than
+    expected is underperformance, if a cover would be visible.
 
     Parameters
     ----------
@@ -174,7 +176,7 @@ def events_in(hours: Hours, spread: float, total: float, shares: dict) -> pd.Dat
     Returns
     -------
     DataFrame
-        See :func:`event_table`, the largest share first.
+        See :func:`event_table`, the largest energy first.
     """
     if len(hours.number) < 2 * FEWEST:
         return event_table([], hours.extra)
@@ -185,9 +187,8 @@ def events_in(hours: Hours, spread: float, total: float, shares: dict) -> pd.Dat
         if state[start] and end - start >= FEWEST:
             some = slice(start, end)
             kinds[some] = deciding.kind(some)
-    return event_table(
-        rows_of_events(hours, event_spans(kinds), kinds, total), hours.extra
-    )
+    spans = event_spans(kinds, deciding.shows_none)
+    return event_table(rows_of_events(hours, spans, kinds, total), hours.extra)
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,6 +222,13 @@ class Deciding:
         noise = Noise(hours.residual[usual]), days, Noise(apart[counts])
         return cls(hours, far, apart, shown, state, *noise, shares)
 
+    @property
+    def shows_none(self) -> np.ndarray:
+        """Hours that are bright enough to show a deviation of 15 %, and have none."""
+        seen = self.hours.seen
+        usual = (self.state == 0) & (seen > DIM / MISSING)
+        return usual | ~self.far & (seen > LEAST / MISSING)
+
     def kind(self, some: slice) -> str:
         """The effect of a stretch of hours; "" for none."""
         hours, length = self.hours, some.stop - some.start
@@ -234,7 +242,9 @@ class Deciding:
         if (
             not expected[dead].sum() > 0.5 * expected.sum()
         ):  # at its ends it may be half
-            return "modules_covered" if self.follows(some, length, cold) else ""
+            if self.follows(some, length, cold):
+                return "modules_covered"
+            return "underperformance" if self.excludes(some, length, cold) else ""
         warm = self.makes("outage", hours.seen, some)
         if warm - cold > SEEN * self.warmth.std_of_mean(length):
             size = hours.residual[some].mean()
@@ -255,6 +265,14 @@ class Deciding:
         if size > max(0.5 * made, SEEN * self.warmth.std_of_mean(length)):
             return made > SEEN * self.warmth.std_of_mean(length) or within
         return max(0.5 * made, noise) < beyond and within
+
+    def excludes(self, some: slice, length: int, made: float) -> bool:
+        """Whether the temperature is far from its value with a cover, by both."""
+        size = self.hours.residual[some].mean() * np.sign(made)
+        beyond, noise = self.strange.beyond(some)
+        least = SEEN * self.warmth.std_of_mean(length)
+        away = abs(made) - beyond * np.sign(made)
+        return abs(made) - size > least and away > SEEN * noise
 
     def faint(self, some: slice, length: int) -> str:
         """The effect if power deviates little, and so does the temperature."""
@@ -293,13 +311,23 @@ def bridged(state: np.ndarray, breaks: np.ndarray) -> np.ndarray:
     return state
 
 
-def event_spans(kinds: np.ndarray) -> list[tuple[int, int]]:
-    """From and to (exclusive) of each event; one hour of another kind is bridged."""
+def event_spans(kinds: np.ndarray, none: np.ndarray) -> list[tuple[int, int]]:
+    """
+    From and to (exclusive) of each event.
+
+    It goes on over one hour of another kind, and over hours without a kind of which at
+    most one shows that there is no event.
+    """
+    against = np.concatenate(([0], np.cumsum(none | (kinds != ""))))
     spans = []
     for start, end in runs(kinds):
         if not kinds[start]:
             continue
-        if spans and kinds[spans[-1][0]] == kinds[start] and start - spans[-1][1] <= 1:
+        if (
+            spans
+            and kinds[spans[-1][0]] == kinds[start]
+            and against[start] - against[spans[-1][1]] <= 1
+        ):
             spans[-1] = (spans[-1][0], end)
         else:
             spans.append((start, end))
@@ -316,7 +344,7 @@ def runs(values: np.ndarray, breaks: np.ndarray | None = None) -> Iterator:
 
 
 def rows_of_events(hours: Hours, ends: list, kinds: np.ndarray, total: float) -> list:
-    """Events as rows, the largest share first."""
+    """Events as rows, the largest energy first."""
     rows = []
     for start, end in ends:
         some = slice(start, end)
@@ -328,13 +356,18 @@ def rows_of_events(hours: Hours, ends: list, kinds: np.ndarray, total: float) ->
                 "hours": end - start,
                 "size": float(hours.residual[some].mean()),
                 "share": float(hours.squares[some].sum() / total),
-                "power": float(hours.power[some].sum() / hours.expected[some].sum()),
+                "power": ratio(hours.power[some].sum(), hours.expected[some].sum()),
                 "energy": float(np.abs(hours.energy[some]).sum()),
                 "gain": hours.gain(some),
                 **{name: float(v[some].mean()) for name, v in hours.extra.items()},
             }
         )
-    return sorted(rows, key=lambda row: -row["share"])
+    return sorted(rows, key=lambda row: -row["energy"])
+
+
+def ratio(power: float, expected: float) -> float:
+    """Power over that expected; infinite where none is expected. [-]"""
+    return float(power / expected) if expected > 0.0 else np.inf
 
 
 def event_table(rows: list, extra: Sequence | dict = ()) -> pd.DataFrame:

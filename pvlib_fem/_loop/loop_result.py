@@ -110,8 +110,9 @@ class Loop:
         too: they are reported, and decide nothing.
     events : DataFrame
         Hours on which a plant's power is not what irradiance leads one to expect, and
-        the module's temperature agrees, the largest share first: the ``effect``
-        (``outage``, ``modules_covered``, ``sensor_covered``), ``start``, ``end``,
+        the module's temperature shows why, the largest energy first: the ``effect``
+        (``outage``, ``modules_covered``, ``sensor_covered``, or ``underperformance``
+        where the module is not covered), ``start``, ``end``,
         ``hours`` of light, ``size``, the mean residual without these effects [K],
         ``share`` of its square in the record, hours of frozen modules included,
         ``power`` over that expected, the ``energy`` by which power differs from it, per

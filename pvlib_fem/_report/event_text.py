@@ -1,7 +1,7 @@
 """Events that power shows, in words."""
 
 from collections.abc import Hashable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -11,15 +11,38 @@ from pvlib_fem._report.formatting import two_digits
 if TYPE_CHECKING:
     from pvlib_fem._loop.loop_result import Loop
 
-#: the device, what happened to it, and what the energy is
+
+class Kind(NamedTuple):
+    """A kind of events in words: device, what happened, its energy, what to do."""
+
+    device: str
+    happened: str
+    energy: str
+    action: str
+
+
+IN_LOG = "Look up these hours, in loop.events, in"
 WORDS = {
-    "modules_covered": ("modules", "the modules were covered", "lost"),
-    "sensor_covered": (
+    "modules_covered": Kind(
+        "modules", "the modules were covered", "lost", f"{IN_LOG} the site's log"
+    ),
+    "sensor_covered": Kind(
         "irradiance sensor or modules",
         "the irradiance sensor was covered, or light was reflected onto the modules",
         "more than expected",
+        f"{IN_LOG} the site's log",
     ),
-    "outage": ("plant", "the plant gave no power", "lost"),
+    "outage": Kind(
+        "plant", "the plant gave no power", "lost", f"{IN_LOG} the inverter's log"
+    ),
+    "underperformance": Kind(
+        "plant",
+        "the plant gave less power than expected, and the module with the temperature "
+        "sensor was not covered",
+        "lost",
+        f"{IN_LOG} the inverter's log: power may have been curtailed, strings "
+        "disconnected, or other modules shaded or under snow",
+    ),
 }
 EVENT = "event"  # verdict of their statements
 MOST = 3  # events of a kind that are reported one by one
@@ -29,7 +52,7 @@ MOSTLY = 0.8  # of these
 
 def by_kind(loop: "Loop") -> dict[str, pd.DataFrame]:
     """
-    Events of each kind, the largest first; kinds by their share.
+    Events of each kind, the largest first; kinds by their energy.
 
     Parameters
     ----------
@@ -44,8 +67,8 @@ def by_kind(loop: "Loop") -> dict[str, pd.DataFrame]:
     if not len(loop.events):
         return {}
     kinds = loop.events.groupby("effect", sort=False)
-    shares = kinds["share"].sum().sort_values(ascending=False, kind="stable")
-    return {name: kinds.get_group(name) for name in shares.index}
+    energy = kinds["energy"].sum().sort_values(ascending=False, kind="stable")
+    return {name: kinds.get_group(name) for name in energy.index}
 
 
 def texts_by_cause(statements: pd.DataFrame) -> dict[str, str]:
@@ -87,7 +110,7 @@ def all_of(events: pd.DataFrame) -> str:
     )
     energy = events["energy"].sum(skipna=False)  # files of before do not have it
     if np.isfinite(energy):
-        _, _, what = WORDS[events["effect"].iloc[0]]
+        what = WORDS[events["effect"].iloc[0]].energy
         words += f", {two_digits(energy)} kWh/kWp {what}"
     return words + circumstances(events)
 

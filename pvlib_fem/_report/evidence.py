@@ -239,6 +239,11 @@ def by_sun(rows: Rows, effect: Effect) -> Picture | None:
 
 
 def power_deficit(rows: Rows, effect: Effect) -> Picture | None:
+    """Power around the largest event of an effect, or by date."""
+    return power_shortfall(rows, effect.name)
+
+
+def power_shortfall(rows: Rows, kind: str) -> Picture | None:
     """
     Power and expected power around the largest event, or their ratio by date.
 
@@ -246,8 +251,8 @@ def power_deficit(rows: Rows, effect: Effect) -> Picture | None:
     ----------
     rows : Rows
         Measured rows of the loop, and dates of the finding.
-    effect : Effect
-        Effect whose events are looked up.
+    kind : str
+        Effect of the events that are looked up.
 
     Returns
     -------
@@ -264,7 +269,7 @@ def power_deficit(rows: Rows, effect: Effect) -> Picture | None:
     except ValueError:  # too few rows with power
         return None
     events = rows.loop.events
-    events = events[events["effect"] == effect.name] if len(events) else events
+    events = events[events["effect"] == kind] if len(events) else events
     if len(events):
         return power_around(rows, events.iloc[0], {name: record[name], "expected": due})
     some = (record["poa_global"] > BRIGHT) & (due > 0.0)

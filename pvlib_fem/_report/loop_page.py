@@ -479,7 +479,7 @@ def remaining(loop: "Loop") -> Block | list[Block]:
         for days, words in budget.days_that_stand_out(loop)
     ]
     for name, rows in events.by_kind(loop).items():
-        happened = events.WORDS[name][1]
+        happened = events.WORDS[name].happened
         items.append((f"Power shows that {happened}", events.all_of(rows)))
     if loop.unexplained:
         return listed(items)
@@ -498,7 +498,9 @@ def in_time(loop: "Loop") -> list[Block]:
     if len(loop.episodes) > budget.MOST:
         body.append(listed(budget.days_that_stand_out(loop, most=None)))
     for name, rows in events.by_kind(loop).items():
-        happened = f"Power shows that {events.WORDS[name][1]}: {events.all_of(rows)}."
+        happened = (
+            f"Power shows that {events.WORDS[name].happened}: {events.all_of(rows)}."
+        )
         body += [paragraph(happened), event_page(rows)]
     head = ("part", "#mean square [K²]", "#root [K]", "#share [%]", "weeks")
     words = (

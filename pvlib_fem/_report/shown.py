@@ -7,10 +7,9 @@ import pandas as pd
 
 from pvlib_fem._report import event_text as events
 from pvlib_fem._report.clocks import picture_of_clock
-from pvlib_fem._report.evidence import pictures_of, power_deficit
+from pvlib_fem._report.evidence import pictures_of, power_shortfall
 from pvlib_fem._report.page_pictures import draw
 from pvlib_fem._report.rows import Rows
-from pvlib_fem.effects import EFFECTS
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.loop_result import Loop
@@ -56,7 +55,7 @@ def findings_with_pictures(loop: "Loop", statements: pd.DataFrame) -> list[Shown
     names = {name for name, _ in items}
     for name in events.by_kind(loop):
         if name not in names:
-            picture = power_deficit(Rows(loop), EFFECTS[name])
+            picture = power_shortfall(Rows(loop), name)
             items.append((name, [picture] if picture else []))
     # the order of the statements, the most valuable first
     items.sort(key=lambda pair: order.get(pair[0], len(order)))

@@ -273,21 +273,20 @@ def event_statements(loop: "Loop") -> Iterator[Statement]:
     """Events of each kind as a statement."""
     days = loop.fit.summary.days
     for name, rows in events.by_kind(loop).items():
-        device, happened, _ = events.WORDS[name]
+        kind = events.WORDS[name]
         first, last = rows["start"].min(), rows["end"].max()
         modelled = "; its effect on temperature is in the model" * (
             name in loop.effects
         )
-        log = "the inverter's log" if name == "outage" else "the site's log"
         yield Statement(
             cause=name,
-            device=device,
+            device=kind.device,
             verdict=events.EVENT,
             text=(
-                f"{happened[:1].upper()}{happened[1:]} ({events.all_of(rows)}), most "
-                f"from {events.event_words(rows.iloc[0])}"
+                f"{kind.happened[:1].upper()}{kind.happened[1:]} "
+                f"({events.all_of(rows)}), most from {events.event_words(rows.iloc[0])}"
             ),
-            action=f"Look up these hours, in loop.events, in {log}",
+            action=kind.action,
             certainty=f"Power shows it{modelled}",
             gain=float(np.hypot.reduce(rows["gain"])),
             energy=float(rows["energy"].sum(skipna=False) * YEAR / days),

@@ -160,12 +160,36 @@ def test_modules_that_are_covered_evenly_are_found_on_days_that_are_off(clean):
     assert found >= 0.8 * len(places) and len(events) <= len(places) + 1
 
 
-def test_power_alone_is_no_event(clean):
-    """A meter that loses half of the power, with modules as warm as before."""
-    data = clean.copy()
-    for rows in bright_days(data, 20):
+def test_power_alone_is_underperformance(clean):
+    """A plant that loses half of the power, with a module as warm as before."""
+    data, places = clean.copy(), [*bright_days(clean, 20)]
+    for rows in places:
         data.loc[rows, "power_ac"] *= 0.5
-    assert fem.close_loop(data).events.empty
+    loop = fem.close_loop(data)
+    assert set(loop.events["effect"]) == {"underperformance"}
+    assert 0.9 * len(places) <= len(loop.events) <= len(places)
+    assert loop.events["power"].between(0.45, 0.6).all()
+    assert loop.events["size"].abs().max() < 1.5
+    lost = (clean["power_ac"] - data["power_ac"]).sum() * 0.5 / at_standard(clean)
+    assert loop.events["energy"].sum() == pytest.approx(lost, rel=0.1)
+    # the temperature has nothing to explain
+    assert not {*loop.effects} & {*HAPPENS, "electrical_output"}
+    (one,) = (s for s in loop.statements.itertuples() if s.verdict == "event")
+    assert one.device == "plant" and "temperature sensor was not covered" in one.text
+    page = loop.to_html()
+    assert "strings disconnected" in page and "Measured power, and power expec" in page
+
+
+def test_months_with_two_thirds_of_the_power_are_told_by_few_events(clean):
+    """Dull days, on which the temperature shows nothing, are part of them."""
+    data = clean.copy()
+    months = (data.index >= "2023-05-01") & (data.index < "2023-08-01")
+    data.loc[months, "power_ac"] *= 2.0 / 3.0
+    events = fem.close_loop(data).events
+    assert set(events["effect"]) == {"underperformance"} and len(events) < 30
+    assert events["hours"].max() > 200
+    lost = (clean["power_ac"] - data["power_ac"]).sum() * 0.5 / at_standard(clean)
+    assert events["energy"].sum() == pytest.approx(lost, rel=0.1)
 
 
 def test_an_outage_of_days_is_one_event(clean):
@@ -380,7 +404,10 @@ def test_curtailment_to_nothing_in_simulated_physics_is_an_outage():
     finding = next(f for f in loop.finding_objects if f.effect == "outage")
     assert finding.verdict is Verdict.IDENTIFIED
     assert 0.1 < finding.coefficients["outage.share"] < 0.35
-    assert set(loop.events["effect"]) == {"outage"} and len(loop.events) > 10
+    energy = loop.events.groupby("effect")["energy"].sum()
+    # hours in which only a part of the time is curtailed have some power
+    assert {*energy.index} <= {"outage", "underperformance"}
+    assert energy["outage"] > 0.8 * energy.sum() and len(loop.events) > 10
 
 
 def test_without_power_there_are_none(clean):
