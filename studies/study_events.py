@@ -1,5 +1,5 @@
 """
-How many outages and covers are found in two measured records of years.
+How many outages, covers and hours of low power are found in two measured records.
 
 Run as ``python studies/study_events.py
 [--draws 40] [--size 3] [--hours 6] [--records nrel_stf]
@@ -21,7 +21,7 @@ from study_page import publish
 from pvlib_fem import close_loop, datasets, recover_events, simulator
 from pvlib_fem._budget import covers_and_outages
 from pvlib_fem._loop import power_events
-from pvlib_fem._loop.power_events import KINDS
+from pvlib_fem._loop.power_events import EVENTS, KINDS
 
 #: records, and seeds of days on which nothing was looked at before
 RECORDS = {"eurac_bolzano": (101,), "nrel_stf": (101, 102, 103)}
@@ -32,11 +32,12 @@ NOON = 10  # first of the hours whose noise is shown
 YEAR = 365.25
 
 INTRO = """\
-# Outages and covers that are found
+# Outages, covers and low power that are found
 
 {{doc}}`guide/recovery` has the method: events
 of known size are put into a measured record on drawn days, and the loop looks for them.
-Each has {size:g} K over {hours} h of light. *Even covers* take as much power as light,
+Each has {size:g} K over {hours} h of light; `underperformance` has the power of such a
+cover, and no change of the temperature. *Even covers* take as much power as light,
 the others its square. No rule was made on these days.
 """
 LIMITS = """\
@@ -46,6 +47,9 @@ counts only if its temperature differs by two of these. *Can count* is the share
 covers of {size:g} K whose temperature does, with normal errors. With a smaller
 difference more of them would count, and more false ones.
 
+`underperformance` is listed if the temperature excludes a cover by two of these. The
+cover is the one by the record's own model, whose `modules_covered.share` may be smaller
+than 1: at Golden it takes 2 K, not {size:g}, so that most days show neither.
 *False* events, in a year: with the temperature residual of other weeks, as far as power
 deviates by less than 15 %. There power deviates as measured, and the temperature
 follows something else. Hours whose temperature was measured while power deviated do not
@@ -138,16 +142,18 @@ def page(tables, noises, rates, nulls, given):
     how = dict(size=given.size, hours=given.hours)
     yield INTRO.format(**how).rstrip("\n")
     yield ""
-    head = ("record", *(f"`{kind}`" for kind in KINDS), "of these, even covers", "all")
-    yield f"| {' | '.join([*head, f'bar: {FOUND:.0%}'])} |"
-    yield "|---" * (len(head) + 1) + "|"
+    *kinds, low = (f"`{kind}`" for kind in EVENTS)
+    head = ("record", *kinds, "of these, even covers", "all", f"bar: {FOUND:.0%}", low)
+    yield f"| {' | '.join(head)} |"
+    yield "|---" * len(head) + "|"
     known = {f"`{name}`": table for name, table in tables.items()}
     for name, table in {**known, "together": pd.concat(tables.values())}.items():
-        cells = [counted(table[table["effect"] == kind]) for kind in KINDS]
+        *cells, low = (counted(table[table["effect"] == kind]) for kind in EVENTS)
         covers = table[table["effect"] == "modules_covered"]
         even = covers[np.isclose(covers["light"], covers["power"])]
-        met = "met" if table["found"].mean() >= FOUND else "**missed**"
-        cells += [counted(even), counted(table), met]
+        warm = table[table["effect"].isin(KINDS)]  # that temperature follows
+        met = "met" if warm["found"].mean() >= FOUND else "**missed**"
+        cells += [counted(even), counted(warm), met, low]
         yield f"| {name} | {' | '.join(cells)} |"
     yield ""
     yield "| record | noise | can count | false in a year |"

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from pvlib_fem._loop.refits import Fits, Step
 
 KINDS = ("modules_covered", "sensor_covered", "outage")
+#: with the kind that no temperature follows
+EVENTS = (*KINDS, "underperformance")
 #: effects that follow power, and are no part of what events are looked for in
 BY_POWER = (*KINDS, "electrical_output")
 EXTRA = ("temp_air", "snow_depth")

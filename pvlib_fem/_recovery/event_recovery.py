@@ -1,4 +1,4 @@
-"""Which outages and covers would be found on my plant?"""
+"""Which outages, covers and low power would be found on my plant?"""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -13,7 +13,7 @@ from pvlib_fem._loop.close import Search, close_loop, finished_search
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.planes import with_given
-from pvlib_fem._loop.power_events import KINDS
+from pvlib_fem._loop.power_events import EVENTS
 from pvlib_fem._record.column_names import PLANT_POWER, plant_power, printable
 from pvlib_fem._recovery.inject import add_to_rows
 from pvlib_fem._spelling import no_columns
@@ -29,7 +29,7 @@ COLUMNS = ["effect", "start", "end", "hours", "size", "light", "power", "found"]
 
 def recover_events(
     data: pd.DataFrame,
-    effects: str | Iterable[str] = KINDS,
+    effects: str | Iterable[str] = EVENTS,
     size: float = 3.0,
     hours: int = 6,
     draws: int = 20,
@@ -42,7 +42,7 @@ def recover_events(
     mount: AbstractMount | None = None,
 ) -> pd.DataFrame:
     """
-    Put outages and covers of known size into a measured record, and look for them.
+    Put outages, covers and low power into a measured record, and look for them.
 
     The loop is closed on the record once, and its last model says what light and heat
     do to the module. Power and module temperature, or the irradiance, are then changed
@@ -53,11 +53,13 @@ def recover_events(
     data : DataFrame
         Record with the columns of :func:`close_loop`, ``power_dc``,
         ``p_dc_per_area`` or ``power_ac`` among them.
-    effects : str or sequence of str, default all three
-        ``"modules_covered"``, ``"sensor_covered"``, ``"outage"``.
+    effects : str or sequence of str, default all four
+        ``"modules_covered"``, ``"sensor_covered"``, ``"outage"``,
+        ``"underperformance"``.
     size : float, default 3
-        Mean change of the temperature over the hours of an event, or of the modelled
-        one where the sensor is covered. [K]
+        Mean change of the temperature over the hours of an event; of the modelled one
+        where the sensor is covered; and of underperformance that by a cover with the
+        same power. [K]
     hours : int, default 6
         Length of each, in hours of light.
     draws : int, default 20
@@ -86,7 +88,8 @@ def recover_events(
     An outage leaves nothing of the power and turns 10 to 30 % of the irradiance into
     heat, a cover takes 5 to 98 % of it; a day on which the size needs more or less is
     not drawn. Half of the covers take as much power as light, half the square, as where
-    each string is covered in part.
+    each string is covered in part. Underperformance takes the square, and leaves the
+    temperature as it is.
 
     Examples
     --------
@@ -98,9 +101,9 @@ def recover_events(
     5
     """
     names = [effects] if isinstance(effects, str) else [*effects]
-    if unknown := [name for name in names if name not in KINDS]:
+    if unknown := [name for name in names if name not in EVENTS]:
         raise ValueError(
-            f"{', '.join(unknown)} is no event; there are {', '.join(KINDS)}"
+            f"{', '.join(unknown)} is no event; there are {', '.join(EVENTS)}"
         )
     criteria = criteria or Criteria()
     place = checked_place(location, surface_tilt, surface_azimuth, mount)
@@ -110,7 +113,7 @@ def recover_events(
     plant = Plant.from_loop(search, loop)
     tables, others = [], {}
     for name in names:
-        random = np.random.default_rng([seed, KINDS.index(name)])
+        random = np.random.default_rng([seed, EVENTS.index(name)])
         events = plant.drawn(name, size, hours, draws, random)
         changed = data.copy()
         for event in events:
@@ -232,7 +235,8 @@ class Plant:
         if not low <= share <= high:
             return None
         light = 1.0 - share
-        power = 0.0 if name == "outage" else light ** (1 + number % 2)
+        even = name != "underperformance" and number % 2 == 0
+        power = 0.0 if name == "outage" else light ** (1 if even else 2)
         change = share * self.dark[rows]
         times, step = self.record.index[rows], self.record.inputs.step
         hours = round(len(rows) * step / 3600.0)
@@ -240,6 +244,8 @@ class Plant:
             power, change = 1.0, 0.0 * change
         elif name == "outage":
             light, change = 1.0, -change
+        elif name == "underperformance":
+            light, change = 1.0, 0.0 * change
         return Event(name, rows, times, hours, size, light, power, change)
 
     def put(self, data: pd.DataFrame, event: Event) -> None:

@@ -41,7 +41,8 @@ WORDS = {
         "sensor was not covered",
         "lost",
         f"{IN_LOG} the inverter's log: power may have been curtailed, strings "
-        "disconnected, or other modules shaded or under snow",
+        "disconnected, other modules shaded or under snow, or the power meter or its "
+        "clock wrong",
     ),
 }
 EVENT = "event"  # verdict of their statements
