@@ -70,10 +70,6 @@ class Reason(Enum):
     TOO_SHORT = "at least {least} days are needed to identify a cause (here {days})"
     AT_BOUND = "fitted with all others, {coefficient} ends at the bound of its range"
     UNSURE = "fitted with all others, {coefficient} is {value:.2g} ± {error:.2g}"
-    CONTRADICTED = (
-        "the error rises by {rise:.2g} K with it, {errors:.1f} standard errors of the "
-        "difference"
-    )
     OUTSIDE = (
         "the error follows its inputs, and not by its law under all conditions: a "
         "cause outside the catalogue is more probable ({chance:.0%})"

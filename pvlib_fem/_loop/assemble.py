@@ -24,7 +24,6 @@ from pvlib_fem._loop.repeated_patterns import (
     repeated_tables,
     with_patterns,
 )
-from pvlib_fem._loop.weeks import Part, part_names
 from pvlib_fem._record.column_names import DAYLIGHT
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem.drivers._mounts import without_rows
@@ -71,7 +70,7 @@ def loop_of_search(search: "Search", last: Step, base: str) -> Loop:
         last.model,
         record,
         last.temperature,
-        (case.fitting, case.test, case.parts == Part.TEST),
+        (case.fitting, case.test, case.held_out),
         (last.coefficients, stderr, at_bound, last.converged),
         scores=table.loc[[*search.steps], SCORES].rename_axis(None),
         notes=tuple(notes),
@@ -107,7 +106,9 @@ def loop_of_search(search: "Search", last: Step, base: str) -> Loop:
         notes=case.notes,
         place=without_rows(case.place),
         residual_before=before.rename("residual"),
-        weeks=pd.Series(part_names(case.parts), record.index, name="weeks"),
+        weeks=pd.Series(
+            np.where(case.held_out, "test", "fitting"), record.index, name="weeks"
+        ).astype("category"),
         plain=(raw.model, raw.coefficients),
         criteria=case.criteria,
         weighed=search.last is not None,

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any, cast
 
 import pandas as pd
@@ -14,12 +13,12 @@ from pvlib_fem._fitting.parquet_fit import in_files
 from pvlib_fem._fitting.stand_ins import stand_in_names
 from pvlib_fem._former_names import arguments_in_new_names, keys_in_new_names
 from pvlib_fem._loop.assemble import loop_of_search
-from pvlib_fem._loop.conclude import as_hint, finding_of
+from pvlib_fem._loop.conclude import as_hint, check_of_bounds, finding_of
 from pvlib_fem._loop.correct_clock import module_clock
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.cross_checks import cross_checks, is_compared, log_likelihoods
-from pvlib_fem._loop.design import Changed, Column, Design
+from pvlib_fem._loop.design import Changed, Design
 from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.leaks import leaks
 from pvlib_fem._loop.loop_files import Reading
@@ -27,10 +26,9 @@ from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.noise import with_outside
 from pvlib_fem._loop.parquet_loop import OwnSteps, in_means, on_days
 from pvlib_fem._loop.planes import with_given
-from pvlib_fem._loop.prepare import another_plane, is_before_the_sun, prepared_case
+from pvlib_fem._loop.prepare import is_before_the_sun, prepared_case
 from pvlib_fem._loop.progress import stage_reporter
-from pvlib_fem._loop.references import DailyDeviation, daily_deviations
-from pvlib_fem._loop.refit_checks import check_of_bounds
+from pvlib_fem._loop.references import daily_deviations
 from pvlib_fem._loop.refits import Fits, Step
 from pvlib_fem._loop.replacements import Replacements
 from pvlib_fem._loop.selection import Choice, Selection, selected
@@ -49,7 +47,6 @@ from pvlib_fem.drivers._transposition import check_transposition
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.quality._module_lag import Clock
-from pvlib_fem.quality._plane import Plane
 from pvlib_fem.reasons import Because, Reason, because
 from pvlib_fem.types import FilePath
 
@@ -335,36 +332,6 @@ class Round:
         return frozenset(c.key if isinstance(c, Changed) else names[c] for c in columns)
 
 
-def with_probabilities(
-    selection: Selection,
-    choice: Choice,
-    given: Sequence[Column],
-    references: Sequence[DailyDeviation],
-    coefficients: Mapping[str, float],
-) -> Choice:
-    """
-    A choice with the probability of each of its members, and of a cause outside.
-
-    Parameters
-    ----------
-    selection : Selection
-    choice : Choice
-        With members and their weights.
-    given : sequence of int or Changed
-        Columns of the base and of the other choices.
-    references : sequence of DailyDeviation
-        Cross-checks.
-    coefficients : dict
-        Of the fitted model.
-
-    Returns
-    -------
-    Choice
-    """
-    logs = log_likelihoods(references, choice, coefficients)
-    return with_outside(selection.design, choice, given, selection.criteria, logs)
-
-
 @dataclass(eq=False)
 class Search:
     """A case, and what was found in it so far."""
@@ -405,11 +372,11 @@ class Search:
         self.steps[base] = step
         if self.case.clock.fault:
             self.report("correcting the clock")
-            case = self.case
-            self.fits, step, correction = module_clock(case, self.fits, raw, Fits)
+            clock = self.case.clock
+            self.fits, step, correction = module_clock(self.fits, raw)
             self.corrections.append(correction)
             if correction.applied:
-                self.clock = case.clock
+                self.clock = clock
                 self.steps[CORRECTED] = step
         self.start = step
         self.leave_out_leaks(step)
@@ -490,8 +457,8 @@ class Search:
         closed = self.closed
         names = [e.name for e in case.wanted if is_before_the_sun(e)]
         names = [name for name in names if name in design.own]
-        if names and self.another_plane is not None:
-            why = because(Reason.ANOTHER_PLANE, plane=str(self.another_plane))
+        if names and case.another_plane is not None:
+            why = because(Reason.ANOTHER_PLANE, plane=str(case.another_plane))
             # before another plane an obstacle has no place
             self.untestable |= dict.fromkeys(names, why)
             closed = closed | {*names}
@@ -499,11 +466,6 @@ class Search:
         # the design has the hourly means of its columns, which are large
         evidence = replace(evidence, columns={})
         return Round(evidence, selection, tuple(choices))
-
-    @cached_property
-    def another_plane(self) -> Plane | None:
-        """The plane of the light, if it is not the stated one; computed once."""
-        return another_plane(self.case)
 
     def leave_out_leaks(self, base: Step) -> None:
         """Drop columns of the user's own that hold the answer."""
@@ -546,7 +508,8 @@ class Search:
             others = [*reported, *chosen[1:]]
             given = selection.given(others)
             one = selection.weighed(chosen[0], others)
-            one = with_probabilities(selection, one, given, references, coefficients)
+            logs = log_likelihoods(references, one, coefficients)
+            one = with_outside(selection.design, one, given, case.criteria, logs)
             reported.append(one.as_first)
             chosen = chosen[1:]
             if one.first != one.top.name:

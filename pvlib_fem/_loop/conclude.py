@@ -26,6 +26,7 @@ from pvlib_fem.effects._time_profiles import dates_in_words, is_dated, is_drift
 from pvlib_fem.reasons import Because, Reason, because
 
 if TYPE_CHECKING:
+    from pvlib_fem._fitting.fem_fit import FemFit
     from pvlib_fem._loop.divided_record import Case
     from pvlib_fem._loop.ranking import Row
     from pvlib_fem._loop.refits import Step
@@ -283,6 +284,29 @@ def relative_error(effect: Effect, criteria: Criteria) -> float:
     if is_dated(effect):
         return SLACK
     return criteria.shape_error if effect.confounder else criteria.law_error
+
+
+def check_of_bounds(
+    names: Iterable[str], step: "Step | FemFit"
+) -> tuple[Check, Because]:
+    """
+    The check that none of some coefficients is at a bound, and why it fails.
+
+    Parameters
+    ----------
+    names : iterable of str
+    step : Step or FemFit
+        The refit.
+
+    Returns
+    -------
+    Check, Because
+    """
+    bound = sorted({*names} & {*step.at_bound})
+    return (
+        Check("coefficients at a bound", "", len(bound), 0, most=True),
+        because(Reason.AT_BOUND, coefficient=", ".join(bound)),
+    )
 
 
 def as_hint(finding: Finding, check: Check, why: Because) -> Finding:

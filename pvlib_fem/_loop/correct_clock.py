@@ -1,36 +1,28 @@
 """A clock that is off: corrected before any effect is weighed, if that holds."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pvlib_fem._findings import Check, Correction
-from pvlib_fem._loop.refit_checks import rise_check, rise_of_error
+from pvlib_fem._loop.refits import Fits, Step
+from pvlib_fem._statistics.clusters import week_numbers
 from pvlib_fem.quality._module_lag import Clock, error_with_step
 from pvlib_fem.reasons import Reason, because
 
-if TYPE_CHECKING:
-    from pvlib_fem._loop.divided_record import Case
-    from pvlib_fem._loop.refits import Fits, Step
+RISE = 1.0  # standard errors, by which the error may rise
 
 
-def module_clock(
-    case: "Case", fits: "Fits", raw: "Step", fits_of: Callable[["Case"], "Fits"]
-) -> tuple["Fits", "Step", Correction]:
+def module_clock(fits: Fits, raw: Step) -> tuple[Fits, Step, Correction]:
     """
     The module's record re-timed, and the same model fitted to it.
 
     Parameters
     ----------
-    case : Case
     fits : Fits
         Of the record as it came.
     raw : Step
         The model on it.
-    fits_of : callable
-        Case to Fits.
 
     Returns
     -------
@@ -38,18 +30,35 @@ def module_clock(
         The fits and the step to go on from: of the corrected record, unless its
         error is larger.
     """
-    other = fits_of(case.corrected())
+    case = fits.case
+    other = Fits(case.corrected())
     step = other.fitted(raw.model, raw).as_base()
-    rows = case.fitting
-    both = np.isfinite(raw.temperature + step.temperature)
-    both &= np.isfinite(raw.measured + step.measured)
-    before, after = (s.error(rows & both) for s in (raw, step))
-    check, _ = rise_check(*rise_of_error(case, raw, step))
+    rows = case.fitting & np.isfinite(raw.temperature + step.temperature)
+    rows &= np.isfinite(raw.measured + step.measured)  # a clock's ends have none
+    before, after = (one.error(rows) for one in (raw, step))
+    squares = [(one.measured - one.temperature)[rows] ** 2 for one in (raw, step)]
+    errors = rise_in_errors(squares[1] - squares[0], case.whole.dates[rows])
+    check = Check(
+        "rise of the error", "", errors, RISE, most=True, unit="standard errors"
+    )
     correction = clock_correction(case.clock, before, after, check)
     if check.passed:
         return other, step, correction
-    untouched = replace(case, clock=Clock())
-    return fits_of(untouched), raw, correction
+    return Fits(replace(case, clock=Clock())), raw, correction
+
+
+def rise_in_errors(rise: np.ndarray, dates: np.ndarray) -> float:
+    """A mean in standard errors, by the spread between weeks, or days if few."""
+    if not len(rise):
+        return np.nan
+    clusters = week_numbers(dates)
+    change, size = np.bincount(clusters, rise), np.bincount(clusters)
+    mean, count = change.sum() / size.sum(), len(size)
+    if count < 2:
+        return float(np.inf * np.sign(mean))
+    spread = np.sqrt(((change - mean * size) ** 2).sum() * count / (count - 1))
+    errors = mean * size.sum() / spread if spread > 0 else np.sign(mean) * np.inf
+    return float(errors) if mean else 0.0
 
 
 def clock_correction(

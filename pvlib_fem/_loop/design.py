@@ -609,15 +609,11 @@ class Design:
         freedom : float
         """
         size, root = len(own), np.sqrt(self.rows)
-        whole = fit.whole[1:, 1:]
-        explained = np.linalg.solve(
-            with_ridge(whole)[:-size, :-size], whole[:-size, -size:]
-        )
         table = np.array([self.values(c) for c in given]).T
         mine = np.array([self.values(c) for c in own]).T
         rest = self.cells[:, 0] - table @ fit.solved[:-size]
         rest = (rest - mine @ fit.estimate) * root
-        mine = (mine - table @ explained) * root[:, None]
+        mine = (mine + table @ fit.mix[:-size]) * root[:, None]
         place, shape = self.grid
 
         def spectrum(column: np.ndarray) -> np.ndarray:
@@ -639,9 +635,7 @@ class Design:
 
     def scales(self, columns: Sequence[Column]) -> np.ndarray:
         """What the coefficients of some columns are to be divided by."""
-        return np.array(
-            [self.scale[c if isinstance(c, int) else c.place] for c in columns]
-        )
+        return self.scale[[place_of(column) for column in columns]]
 
 
 def independent_columns(

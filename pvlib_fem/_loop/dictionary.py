@@ -1,6 +1,6 @@
 """What may be in the remaining error: effects, and changes at the dates that show."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import cast
 
@@ -8,11 +8,14 @@ import numpy as np
 from scipy.special import gammaln
 
 from pvlib_fem._loop.change_dates import Scan, number_of_dates
-from pvlib_fem._loop.design import Changed, Column, Design, columns_of
-from pvlib_fem.effects._effect import Effect
+from pvlib_fem._loop.design import Changed, Column, Design, columns_of, place_of
+from pvlib_fem.effects._effect import Effect, Parameter
 from pvlib_fem.effects._time_profiles import time_profile_of
 
 RARE = {"air_elsewhere": 0.05}  # times the odds of others
+SIZES = 4.0  # standard deviations of sizes between the bounds of a coefficient
+SLACK_ERRORS = 2.0  # standard errors by which a tangent may miss a bound
+SLACK = 0.35  # share of a bound by which it may: a tangent is bent where it is large
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,51 @@ class Candidate:
     def beyond(self, given: Sequence[Column]) -> list[Column]:
         """Columns that are not given already."""
         return [column for column in self.columns if column not in given]
+
+    def rows(self, design: Design) -> dict[str, Parameter]:
+        """Rows of its coefficients by name, one for each column."""
+        rows = self.effect.rows()
+        if self.effect.sensor_fault:
+            return rows
+        names = [design.names[place_of(column)] for column in self.columns]
+        return {name: rows[name] for name in names}
+
+    def existence(
+        self,
+        rows: Iterable[Parameter],
+        estimate: np.ndarray,
+        covariance: np.ndarray,
+        freedom: float,
+    ) -> float:
+        """
+        Probability that it is there, by its estimate and the error by accident alone.
+
+        Wakefield's approximate Bayes factor, with the tails of Student's law for so
+        many weeks.
+        """
+        plain, wide, volume = squared_distances(rows, estimate, covariance)
+        tails = np.log1p(plain / freedom) - np.log1p(wide / freedom)
+        log_factor = -0.5 * volume + 0.5 * (freedom + len(estimate)) * tails
+        log_odds = log_factor + self.log_prior - self.log_dates
+        return float(1.0 / (1.0 + np.exp(-np.clip(log_odds, -500.0, 500.0))))
+
+    def size_seen(
+        self,
+        rows: Iterable[Parameter],
+        way: np.ndarray,
+        covariance: np.ndarray,
+        freedom: float,
+        probability: float,
+    ) -> float:
+        """How many times an estimate has to be to be there with a probability."""
+        plain, wide, volume = squared_distances(rows, way, covariance)
+        log_factor = log_odds(probability) - self.log_prior + self.log_dates
+        log_factor += 0.5 * volume
+        # existence, solved for the square of the size
+        ratio = np.exp(min(2.0 * log_factor / (freedom + len(way)), 500.0))
+        if plain <= wide * ratio:
+            return np.inf
+        return float(np.sqrt(freedom * max(ratio - 1.0, 0.0) / (plain - wide * ratio)))
 
 
 def without_dates(design: Design, prior: float) -> Iterator[Candidate]:
@@ -117,3 +165,66 @@ def possible_signs(changes: Mapping[str, Effect]) -> tuple[float, float]:
     """Least and largest size that a sensor fault can have, as signs."""
     (row,) = next(iter(changes.values())).parameters.values()
     return np.sign(row.lower), np.sign(row.upper)
+
+
+def log_odds(probability: float) -> float:
+    """
+    Logarithm of the odds of a probability; 1 by rounding counts as 1 − ε.
+
+    Parameters
+    ----------
+    probability : float
+
+    Returns
+    -------
+    float
+    """
+    least = np.finfo(float).eps
+    probability = float(np.clip(probability, least, 1.0 - least))
+    return float(np.log(probability / (1.0 - probability)))
+
+
+def within_bounds(
+    rows: Iterable[Parameter], estimate: np.ndarray, stderr: np.ndarray
+) -> bool:
+    """
+    Whether coefficients are within their bounds, to first order.
+
+    Parameters
+    ----------
+    rows : iterable of Parameter
+    estimate, stderr : array, shape (coefficients,)
+
+    Returns
+    -------
+    bool
+    """
+
+    def slack(bound: float, error: float) -> float:
+        return max(SLACK_ERRORS * error, SLACK * abs(bound))
+
+    return all(
+        row.lower - slack(row.lower, error)
+        <= value
+        <= row.upper + slack(row.upper, error)
+        for row, value, error in zip(rows, estimate, stderr)
+    )
+
+
+def squared_distances(
+    rows: Iterable[Parameter], estimate: np.ndarray, covariance: np.ndarray
+) -> tuple[float, float, float]:
+    """
+    Squared distances of an estimate from nothing, and how much broader one is.
+
+    By the covariance, by that with the prior of its size, and the logarithm of the
+    ratio of their determinants.
+    """
+    widths = np.array([(row.upper - row.lower) / SIZES for row in rows])
+    scale = np.sqrt(np.diag(covariance))
+    inner = covariance / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
+    sizes, mean = np.diag(np.square(widths / scale)), estimate / scale
+    plain = float(mean @ np.linalg.solve(inner, mean))
+    wide = float(mean @ np.linalg.solve(inner + sizes, mean))
+    _, volume = np.linalg.slogdet(np.eye(len(mean)) + np.linalg.solve(inner, sizes))
+    return plain, wide, volume

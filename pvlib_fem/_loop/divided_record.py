@@ -10,16 +10,17 @@ import numpy as np
 from pvlib_fem._findings import Correction
 from pvlib_fem._fitting.stand_ins import StandIn
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.weeks import Part
 from pvlib_fem._record.column_names import GEOMETRY
 from pvlib_fem._record.filters import counted
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._record.resampling import coarse, covered_rows
 from pvlib_fem.drivers import geometry
+from pvlib_fem.drivers._mounts import ANGLES, is_known
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.quality._detached_sensor import Detachment
 from pvlib_fem.quality._lag import by_module_logger
 from pvlib_fem.quality._module_lag import Clock
+from pvlib_fem.quality._plane import Plane, plane_of
 from pvlib_fem.quality._tracker_standstill import Standing
 from pvlib_fem.reasons import Because
 
@@ -41,7 +42,7 @@ class Case:
     whole: Record
     record: Record  # on coarse steps
     seen: np.ndarray  # rows of the whole that count
-    parts: np.ndarray  # what each row of the whole is for
+    held_out: np.ndarray  # rows of the whole that are of test weeks
     drivers: tuple[str, ...]
     cross_check_columns: tuple[str, ...]  # of instruments
     wanted: tuple[Effect, ...]  # whose drivers are there
@@ -63,23 +64,19 @@ class Case:
     #: times in which the module's temperature sensor is off
     detachments: tuple[Detachment, ...] = ()
 
-    def rows(self, part: Part) -> np.ndarray:
-        """Rows of the whole that count for a part."""
-        return self.seen & (self.parts == part)
-
     @cached_property
     def fitting(self) -> np.ndarray:
-        return self.rows(Part.FITTING)
+        return self.seen & ~self.held_out
 
     @cached_property
     def test(self) -> np.ndarray:
-        return self.rows(Part.TEST)
+        return self.seen & self.held_out
 
     @cached_property
     def searched(self) -> np.ndarray:
         """Rows of the coarse record that the search may look at."""
         seen = np.asarray(counted(self.record.inputs.columns, with_night=True))
-        masks = self.seen, self.parts != Part.FITTING
+        masks = self.seen, self.held_out
         some, kept = covered_rows(masks, self.whole, self.record)
         return seen & some & ~kept
 
@@ -91,9 +88,8 @@ class Case:
         These are the days of the fitting rows, and as many test days as the division
         gives them. The module temperature of test days has no influence.
         """
-        fitting = self.parts == Part.FITTING
-        every = self.whole.count_days(np.ones_like(fitting))
-        share = self.whole.count_days(fitting) / every
+        every = self.whole.count_days(np.ones_like(self.held_out))
+        share = self.whole.count_days(~self.held_out) / every
         return round(self.whole.count_days(self.fitting) / share) if share else 0
 
     @cached_property
@@ -109,6 +105,17 @@ class Case:
     def enough(self) -> bool:
         """Whether the record is long enough for a name."""
         return self.days >= self.criteria.min_days
+
+    @cached_property
+    def another_plane(self) -> Plane | None:
+        """The plane by the light of clear days, if it is surely not the stated one."""
+        site = self.site
+        if not is_known(site) or self.transposed or site["mount"] is not None:
+            return None
+        whole, stated = self.whole, [site[name] for name in ANGLES]
+        light = whole["poa_global"]
+        plane = plane_of(light, whole.index, site["location"], self.late)
+        return plane if plane is not None and plane.is_another(*stated) else None
 
     def placed(self, record: Record) -> Record:
         """A record with the place of sun and module, where that is known."""
@@ -135,41 +142,6 @@ class Case:
         return divided_case(whole.having(moved), replace(self, clock=Clock()))
 
 
-def without_answer(record: Record, rows: np.ndarray) -> Record:
-    """
-    The record without the module's temperature in some rows.
-
-    Parameters
-    ----------
-    record : Record
-        Record with all its rows.
-    rows : array of bool, shape (rows,)
-        True where the temperature becomes NaN.
-
-    Returns
-    -------
-    Record
-    """
-    return record.lacking({"temp_module": rows})
-
-
-def countable_rows(record: Record) -> np.ndarray:
-    """
-    Mask of the rows that can be fitted.
-
-    Parameters
-    ----------
-    record : Record
-        Record with all its rows.
-
-    Returns
-    -------
-    array of bool, shape (rows,)
-        True as in :func:`pvlib_fem._record.filters.counted`, nights included.
-    """
-    return np.asarray(counted(record.inputs.columns, with_night=True))
-
-
 def divided_case(whole: Record, case: Case) -> Case:
     """
     The case with this record and its coarse steps.
@@ -186,10 +158,10 @@ def divided_case(whole: Record, case: Case) -> Case:
     Case
     """
     limits = case.criteria
-    seen = case.seen & countable_rows(whole)
+    seen = case.seen & counted(whole.inputs.columns, with_night=True)
     short = whole
     if whole.inputs.seconds[-1] > 0:
-        hidden = without_answer(whole, case.parts == Part.TEST)
+        hidden = whole.lacking({"temp_module": case.held_out})
         short = coarse(hidden, limits.search_step, STEP_PRESENT)
         short = whole if short is hidden else short
     # the sun is where it is, and nothing is averaged over a horizon

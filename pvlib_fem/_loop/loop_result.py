@@ -7,6 +7,7 @@ from typing import Any, Self, TypeVar
 
 import numpy as np
 import pandas as pd
+from threadpoolctl import threadpool_limits
 
 from pvlib_fem._ceiling.ceiling_result import Ceiling
 from pvlib_fem._ceiling.trees import ceiling_of, regressor
@@ -21,7 +22,6 @@ from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.loop_files import Reading, loop_content, loop_parts
 from pvlib_fem._loop.planes import is_same_plane, with_series
 from pvlib_fem._loop.predicted_patterns import Pattern, behind_patterns, errors_by
-from pvlib_fem._loop.threads import one_thread_of_trees
 from pvlib_fem._modelchain import LOOP, DynamicCellTemperature
 from pvlib_fem._record.column_names import (
     COLUMNS,
@@ -196,7 +196,8 @@ class Loop:
     def own_ceiling(self) -> Ceiling:
         """What :meth:`ceiling` returns; computed once."""
         regressor()  # what is not loaded yet has no threads to limit
-        with one_thread_of_trees():
+        # sums of several threads have other last bits
+        with threadpool_limits(limits=1, user_api="openmp"):
             return ceiling_of(self)
 
     @property

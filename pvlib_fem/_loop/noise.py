@@ -58,23 +58,15 @@ ALIKE = 0.1  # of unknown causes that follow a driver, as alike as its effect
 REFLECTION = 0.45
 
 
-@dataclass(frozen=True)
-class OutsidePrior:
-    """Prior of a cause outside the catalogue, for a kind of candidates."""
-
-    odds: float  # probability that it is what the inputs follow
-    alike: float  # probability that it follows them exactly as the candidate
-
-
-def prior_of(effect: Effect, outside: float) -> OutsidePrior:
-    """The prior of a cause outside the catalogue as a rival of an effect."""
+def prior_of(effect: Effect, outside: float) -> tuple[float, float]:
+    """Probability of a cause outside as a rival, and that it looks alike."""
     if effect.unseen_light:  # a reflection onto the modules looks the same
-        return OutsidePrior(REFLECTION, 1.0)
+        return REFLECTION, 1.0
     dated = effect.sensor_fault or effect.turns  # a fault of one device from a date on
     if dated or (own_columns(effect.drivers) and not effect.confounder):
-        return OutsidePrior(outside, ALIKE)
+        return outside, ALIKE
     # what follows the sun and the usual inputs alone may be anything that does
-    return OutsidePrior(outside, 1.0)
+    return outside, 1.0
 
 
 def with_outside(
@@ -109,17 +101,17 @@ def with_outside(
     mine, outside = {}, 0.0
     for name, one in choice.members.items():
         weight = choice.weights[name] * times[name]
-        prior = prior_of(one.effect, criteria.outside_probability)
+        odds, alike = prior_of(one.effect, criteria.outside_probability)
         own = design.fit_for([one.effect])
         within = tables.setdefault(own.daily_draws, WithinCells(own, given))
         sizes = remaining_shares(one, within)
         rest = law_misfits(own, one, given, choice.fall)
         inside, beyond = likelihoods(sizes, rest, criteria.law_error)
-        mine[name] = weight * (1.0 - prior.odds) * inside
-        unknown = prior.alike * inside + (1.0 - prior.alike) * beyond
-        if prior.alike == 1.0:  # all of them look as this one, or worse
+        mine[name] = weight * (1.0 - odds) * inside
+        unknown = alike * inside + (1.0 - alike) * beyond
+        if alike == 1.0:  # all of them look as this one, or worse
             unknown = max(inside, beyond)
-        outside += choice.weights[name] * times[OUTSIDE] * prior.odds * unknown
+        outside += choice.weights[name] * times[OUTSIDE] * odds * unknown
     total = sum(mine.values()) + outside
     mine[OUTSIDE] = outside
     # rounding errors must not choose among causes that are equally probable
@@ -171,7 +163,7 @@ def law_misfits(
             columns = (design.values(column) for column in one.columns)
             axes += filter(None, (sorted_by("", column) for column in columns))
         weeks = design.rows, design.weeks
-        tables = [Table.from_residual((axis,), rest, *weeks) for axis in axes]
+        tables = [Cells.from_axes((axis,), *weeks).table(rest) for axis in axes]
     # by a standard error less: no more than is sure
     sure = [t.variance * max(1.0 - 1.0 / max(t.errors, 1.0), 0.0) for t in tables]
     return [float(np.sqrt(variance / fall)) for variance in sure]
@@ -209,7 +201,7 @@ def of_hours(design: "Design", one: "Candidate", rest: np.ndarray) -> Table:
     much = (weight > weight @ design.rows / design.count).astype(int)
     side = Axis("change", much, ((0, 0), (1, 1)))
     rest = rest - group_means(hour.bins, design.rows)(rest)
-    return Table.from_residual((hour, side), rest, design.rows, design.weeks)
+    return Cells.from_axes((hour, side), design.rows, design.weeks).table(rest)
 
 
 def likelihoods(
@@ -274,7 +266,7 @@ class WithinCells:
         """
         if kind not in self.known:
             design = self.design
-            groups = renumbered_groups(cell_numbers(kind)[0]) if kind else design.weeks
+            groups = cell_numbers(kind)[0] if kind else design.weeks
             mean = group_means(groups, design.rows)
             columns = [design.cells[:, 0], *map(design.values, self.given)]
             self.known[kind] = mean, np.array([one - mean(one) for one in columns])
@@ -378,8 +370,3 @@ def random_effects(
         rest = rest - table.values
         tables.append(table)
     return tuple(tables)
-
-
-def renumbered_groups(groups: np.ndarray) -> np.ndarray:
-    """The groups numbered without those that do not occur."""
-    return np.unique(groups, return_inverse=True)[1]

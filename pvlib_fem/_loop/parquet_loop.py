@@ -11,17 +11,15 @@ from pvlib.pvsystem import SingleAxisTrackerMount
 from pvlib_fem._findings import Check, Finding
 from pvlib_fem._fitting.parquet_fit import FileFit, fit_in_files, given_days
 from pvlib_fem._fitting.parquet_rows import first_pass
+from pvlib_fem._loop.conclude import check_of_bounds
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.divided_record import STEP_PRESENT, Case
-from pvlib_fem._loop.refit_checks import check_of_bounds, check_of_certainty
-from pvlib_fem._loop.weeks import Part
 from pvlib_fem._record.checks import dates_of
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, ROTATION
 from pvlib_fem._record.inputs import Inputs
 from pvlib_fem._record.join_steps import JoinedColumns
 from pvlib_fem._record.parquet import ParquetRecord
 from pvlib_fem._record.resampling import Sums
-from pvlib_fem._statistics.clusters import root_of_decrease
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers._mounts import by_night
 from pvlib_fem.drivers._planes import ANGLES, ByColumns, angles_of_rotation
@@ -34,6 +32,7 @@ if TYPE_CHECKING:
     from pvlib_fem._loop.loop_result import Loop
     from pvlib_fem._loop.refits import Step
 
+SURE = 3.0  # standard errors of a coefficient from nothing, on the own steps
 KEEPS = 0.5  # share of its gain on means that a finding keeps on the own steps
 
 
@@ -159,7 +158,7 @@ class OwnSteps:
             record = record.with_columns(JoinedColumns.from_inputs(inputs, missing))
         if {*turning.columns} & {*names}:
             record = record.with_columns(turning)
-        out = np.unique(case.whole.dates[case.parts != Part.FITTING])
+        out = np.unique(case.whole.dates[case.held_out])
         if case.detachments:
             record = record.with_columns(Attached(case.detachments, out))
         files = first_pass(replace(screened, record=record), target, night=True)
@@ -275,7 +274,18 @@ def own_checks(
     Check, Because
     """
     yield check_of_bounds(finding.coefficients, fit)
-    yield check_of_certainty(finding, fit.coefficients, fit.stderr)
+    # without an error, or held, there is no doubt
+    sizes = {
+        name: abs(fit.coefficients[name]) / error if error > 0 else np.inf
+        for name in finding.coefficients
+        for error in [fit.stderr[name]]
+    }
+    name = max(sizes, key=sizes.__getitem__)
+    value, error = fit.coefficients[name], fit.stderr[name]
+    yield (
+        Check("distance from nothing", "", sizes[name], SURE, unit="standard errors"),
+        because(Reason.UNSURE, coefficient=name, value=value, error=error),
+    )
     stages = list(fit.scores.index)
     at = stages.index(f"+ {finding.effect}")
     before, after = stages[at - 1], stages[at]
@@ -287,7 +297,12 @@ def own_checks(
         Check(words, "", keeps, KEEPS),
         because(
             Reason.LESS_ON_OWN_STEPS,
-            gain=root_of_decrease(fall),
-            means=root_of_decrease(fall_on_means),
+            gain=root(fall),
+            means=root(fall_on_means),
         ),
     )
+
+
+def root(fall: float) -> float:
+    """Root of a fall of the mean square; negative for a rise, rounded to 1 µK. [K]"""
+    return round(float(np.sign(fall) * np.sqrt(abs(fall))), 6)

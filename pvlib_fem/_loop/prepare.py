@@ -12,15 +12,9 @@ from pvlib.location import Location
 from pvlib_fem._findings import Check, Correction
 from pvlib_fem._fitting.horizontal import refuse_clock
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.divided_record import (
-    Case,
-    countable_rows,
-    divided_case,
-    without_answer,
-)
+from pvlib_fem._loop.divided_record import Case, divided_case
 from pvlib_fem._loop.planes import plane_of_columns, standings_in, with_standings
 from pvlib_fem._loop.replacements import Filled, Replacements
-from pvlib_fem._loop.weeks import Part, fitted_weeks, parts_of_rows
 from pvlib_fem._record.column_names import (
     ALWAYS,
     COLUMNS,
@@ -33,14 +27,17 @@ from pvlib_fem._record.column_names import (
     twin_of,
     usable_drivers,
 )
+from pvlib_fem._record.filters import counted
 from pvlib_fem._record.inputs import Record, as_record, with_columns
 from pvlib_fem._record.names import unmapped
+from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem.drivers import DERIVED, MODELLED, geometry, needed_for
 from pvlib_fem.drivers._mounts import ANGLES, PLANE, angles_at, axis_of, is_known
 from pvlib_fem.drivers._solar import standard_time
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._testable_effects import candidates, candidates_about_axis
+from pvlib_fem.effects._time_profiles import date_text
 from pvlib_fem.quality._check import Health, check
 from pvlib_fem.quality._daylight import Daylight, daylight_saving
 from pvlib_fem.quality._detached_sensor import Detachment, detachments_of
@@ -56,6 +53,7 @@ from pvlib_fem.quality._unit_checks import oddities, options_of
 from pvlib_fem.reasons import Because, Reason, because
 
 UNSEEN_CLOCK = 120.0  # s, by which the module's clock may be off unseen
+FEWEST_WEEKS = 5  # below which every other day is a test day
 FAR_ZONE = 3.0  # h between a record's clock and the sun; no zone of a place has more
 NEAR_HOUR = 0.25  # h from a whole one, as near as a file of half hours shows it
 #: faults with which the sun is elsewhere
@@ -67,7 +65,7 @@ class Look:
     """A record, and what is seen of it before any fit; of test rows no answer."""
 
     whole: Record  # less what was not measured
-    parts: np.ndarray  # what each row is for
+    held_out: np.ndarray  # rows of test weeks
     drivers: dict[str, pd.Series]
     cross_check_columns: tuple[str, ...]  # they cross-check others, and drive nothing
     refused: dict[str, Because]  # further columns, and why they are not used
@@ -169,7 +167,7 @@ def prepared_case(
         whole=whole,
         record=whole,
         seen=seen,
-        parts=look.parts,
+        held_out=look.held_out,
         drivers=tuple(look.drivers),
         cross_check_columns=(
             *look.cross_check_columns,
@@ -240,29 +238,6 @@ def is_before_the_sun(effect: Effect) -> bool:
     return bool(effect.scan) and bool({*GEOMETRY[:2]} & {*effect.drivers})
 
 
-def another_plane(case: Case) -> Plane | None:
-    """
-    The plane by the light of clear days, where that is surely not the stated one.
-
-    Parameters
-    ----------
-    case : Case
-        Record and site of a loop.
-
-    Returns
-    -------
-    Plane or None
-        None if the light agrees with the stated plane, and for a plane that is not
-        known or turns, or irradiance that was transposed.
-    """
-    if not is_known(case.site) or case.transposed or case.site["mount"] is not None:
-        return None
-    location, whole = case.site["location"], case.whole
-    plane = plane_of(whole["poa_global"], whole.index, location, case.late)
-    stated = [case.site[name] for name in ANGLES]
-    return plane if plane is not None and plane.is_another(*stated) else None
-
-
 def late_of(look: Look) -> float:
     """By how much a file's times run ahead of the sun, if that is known. [s]"""
     late = look.health.noon.late
@@ -290,10 +265,9 @@ def screened_frame(
     columns = dict(filled.columns)
     usual = as_record(*(columns.pop(name, None) for name in COLUMNS))
     refuse_stray(usual.index, limits)
-    purposes = parts_of_rows(usual, countable_rows(usual), holdout, criteria, spared)
-    test = purposes == Part.TEST
+    test = test_rows(usual, holdout, criteria, spared)
     hidden, faults = screened_alone(
-        with_columns(without_answer(usual, test), numeric(columns)),
+        with_columns(usual.lacking({"temp_module": test}), numeric(columns)),
         limits,
         check_units,
         late=True,
@@ -318,7 +292,7 @@ def screened_frame(
     odd = tuple(oddities(timed, limits, hidden.absent))
     return Look(
         whole=whole,
-        parts=purposes,
+        held_out=test,
         drivers=drivers,
         cross_check_columns=comparing,
         refused=refused,
@@ -328,10 +302,44 @@ def screened_frame(
         still=still,
         detachments=detachments,
         off=off,
-        kept=np.ones(len(purposes), dtype=bool),
+        kept=np.ones(len(test), dtype=bool),
         filled=filled,
         site=site,
     )
+
+
+def test_rows(
+    record: Record,
+    holdout: pd.Series | None,
+    criteria: Criteria,
+    spared: Collection[int],
+) -> np.ndarray:
+    """
+    Rows of the test weeks: chosen ones, or every fifth week but spared days.
+
+    Of a record of few weeks it is every other day.
+    """
+    if holdout is not None:
+        return record.rows(holdout)
+    seen = counted(record.inputs.columns, with_night=True)
+    weeks = np.unique(calendar_weeks(record.dates), return_inverse=True)[1]
+    test = np.zeros(len(seen), dtype=bool)
+    if weeks.max() + 1 >= FEWEST_WEEKS:
+        every = criteria.test_every
+        test = weeks % every == every // 2
+    elif record.count_days(seen) > 1:
+        test = record.days % 2 == 1
+    return test & ~np.isin(record.dates, [*spared])
+
+
+def fitted_weeks(spared: Collection[int]) -> Iterator[str]:
+    """A line on each week that would be a test week without a standstill."""
+    weeks = {int(calendar_weeks(np.array(day))): day for day in sorted(spared)[::-1]}
+    for first in sorted(weeks.values()):
+        yield (
+            f"the week from {date_text(first)} on is fitted and not a test week: "
+            "modules may have been stuck on some of its days"
+        )
 
 
 def detached_rows(

@@ -8,7 +8,6 @@ import numpy as np
 from scipy.special import fdtrc, stdtrit
 
 from pvlib_fem._loop.design import Column, Design
-from pvlib_fem._loop.existence import rows_of, size_seen
 from pvlib_fem._loop.tangents import Evidence
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.reasons import Because, Reason, because
@@ -147,9 +146,9 @@ def squares_given_others(squares: np.ndarray, size: int) -> np.ndarray:
 
 def errors_needed(one: "Candidate", design: Design, score: "Score") -> float:
     """Standard errors that its size needs to be seen, with the stated power."""
-    rows = rows_of(one, design)
+    rows = one.rows(design).values()
     way = np.sqrt(np.diag(score.null) / len(rows))
-    least = size_seen(one, rows, way, score.null, score.freedom, SEEN)
+    least = one.size_seen(rows, way, score.null, score.freedom, SEEN)
     return min(least, LARGEST) + float(stdtrit(score.freedom, POWER))
 
 

@@ -16,7 +16,7 @@ from pvlib_fem._loop.comparisons import (
     Comparison,
 )
 from pvlib_fem._record.inputs import Record
-from pvlib_fem._statistics.clusters import WEEK, cluster_sums
+from pvlib_fem._statistics.clusters import WEEK, cluster_sums_of
 from pvlib_fem.drivers import derive_drivers
 from pvlib_fem.drivers._mounts import angles_at
 from pvlib_fem.effects._effect import Effect
@@ -75,12 +75,14 @@ class DailyDeviation:
         """
         values = self.apart if values is None else values
         columns = [*self.usual, *others, weights]
-        sums = cluster_sums(columns, values, self.days)
+        table = np.column_stack([*columns, values])
+        products = table[:, :, None] * table[:, None, :]
+        sums = cluster_sums_of(self.days, products, len(values))
         sums = replace(sums, weeks=sums.weeks * WEEK // MONTH)
         kept = list(range(len(columns)))
         sizes = sums.solve(kept) / sums.scale
         variance = sums.covariance(kept)[-1, -1] / sums.scale[-1] ** 2
-        table = np.column_stack(columns)
+        table = table[:, :-1]
         error = np.sqrt(variance + self.wandering(table))
         return float(sizes[-1]), float(error), values - table @ sizes
 

@@ -21,6 +21,7 @@ from pvlib_fem._loop.tangents import Evidence, gather_evidence
 from pvlib_fem._record.inputs import Inputs, Record
 from pvlib_fem._spelling import FIXED, refusal
 from pvlib_fem._statistics.clusters import FOLDS, days_of_folds
+from pvlib_fem._statistics.weekly_sums import held_out
 from pvlib_fem._thermal.model import MEMORY, ThermalModel
 from pvlib_fem._thermal.steady_models import SteadyModel
 from pvlib_fem.drivers import MODELLED, derive_drivers, is_modelled, underived
@@ -179,37 +180,20 @@ class Fits:
         """Daily sums of a step's fitted rows, on the record's own steps."""
         if step.daily is not None:
             return step.daily
-        return self.sums(step, step.coefficients, self.case.whole, self.case.fitting)
+        return self.sums(step, self.case.whole, self.case.fitting)
 
     def cross_validated(self, step: Step) -> float:
-        """Mean square error of a step on fitting weeks left out in turn. [K²]"""
-        case = self.case
-        sums = self.sums(step, step.coefficients, case.record, case.searched).sums
-        folds = days_of_folds(sums.dates, FOLDS)
-        return replace(sums, folds=folds).cross_validated(range(len(sums.scale)))
+        """Square error of a step on fitting weeks left out in turn. [K²]"""
+        sums = self.sums(step, self.case.record, self.case.searched).sums
+        folds = days_of_folds(sums.dates) == np.arange(FOLDS)[:, None]
+        # the residual is the first column there
+        return held_out(np.roll(sums.sums, 1, axis=(1, 2)), folds.astype(float))
 
-    def sums(
-        self,
-        step: Step,
-        coefficients: dict[str, float],
-        record: Record,
-        counts: np.ndarray,
-    ) -> DailySums:
-        """
-        Daily sums of the rows of a record that count and that a step knows.
-
-        Parameters
-        ----------
-        step : Step
-        coefficients : dict
-            Of its model.
-        record : Record
-            The coarse one of the case, or the whole one.
-        counts : array of bool, shape (rows,)
-        """
+    def sums(self, step: Step, record: Record, counts: np.ndarray) -> DailySums:
+        """Daily sums of the rows of a record that count and that a step knows."""
         record, tabled = self.prepared(record, step.model)
         rows = counts & record.complete_rows(step.model.drivers)
-        return daily_sums(tabled, coefficients, Rows(record, rows), step.at_bound)
+        return daily_sums(tabled, step.coefficients, Rows(record, rows), step.at_bound)
 
     def prepared(
         self, record: Record, model: ThermalModel

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pvlib_fem._findings import Check, Finding, Kind, Verdict
-from pvlib_fem._loop.design import FEWEST_WEEKS, Hours
+from pvlib_fem._loop.design import Hours
 from pvlib_fem._loop.predicted_patterns import Pattern, drivers_of
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, is_power
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.axes import PAST, SINCE_RAIN, axes, calendar_of
-from pvlib_fem._statistics.clusters import calendar_weeks
+from pvlib_fem._statistics.clusters import week_numbers
 from pvlib_fem._statistics.tables import Cells, Table, axes_and_pairs, largest_table
 from pvlib_fem.drivers import derive_drivers, underived
 from pvlib_fem.reasons import Reason, because
@@ -62,7 +62,7 @@ def repeated_tables(fits: "Fits", step: "Step", least: float) -> list[Table]:
     sun = tuple(axis for axis in own if axis.name in SUN)
     present = [*axes_and_pairs(usual), *([sun] if len(sun) == len(SUN) else [])]
     late = [kind for kind in axes_and_pairs([*usual, *past]) if {*kind} & {*past}]
-    weeks = numbered_weeks(dates)
+    weeks = week_numbers(dates)
     cells: list[Cells] = []
     tables: list[Table] = []
     for kinds in (present, late):
@@ -96,14 +96,6 @@ def places_of(
         if np.isfinite(column).any()
     }
     return means | calendar_of(record.index[rows][hours.first])
-
-
-def numbered_weeks(dates: np.ndarray) -> np.ndarray:
-    """Number of the week of each date; of the day where weeks are few."""
-    weeks = np.unique(calendar_weeks(dates), return_inverse=True)[1]
-    if weeks[-1] + 1 < FEWEST_WEEKS:
-        return np.unique(dates, return_inverse=True)[1]
-    return weeks
 
 
 def with_patterns(case: "Case", step: "Step", patterns: tuple[Pattern, ...]) -> "Step":

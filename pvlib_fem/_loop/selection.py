@@ -9,13 +9,13 @@ import numpy as np
 from pvlib_fem._loop.change_dates import Scan, first_days, number_of_dates
 from pvlib_fem._loop.change_sums import PROFILE_ERROR, UNSEEN, dates_cost
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.design import Column, Design, columns_of, place_of
-from pvlib_fem._loop.dictionary import Candidate, dated_candidates, without_dates
-from pvlib_fem._loop.existence import (
+from pvlib_fem._loop.design import Column, Design, columns_of
+from pvlib_fem._loop.dictionary import (
+    Candidate,
+    dated_candidates,
     log_odds,
-    probability_of_existence,
-    rows_of,
     within_bounds,
+    without_dates,
 )
 from pvlib_fem._loop.noise import random_effects
 from pvlib_fem._statistics.extremes import ALIKE, largest_first
@@ -50,7 +50,7 @@ class Score:
     seen: np.ndarray  # estimate by whitened columns
     null: np.ndarray  # covariance that it would have by accident
     freedom: float  # of that
-    acting: float = 1.0  # share of the record on which it acts
+    acting: float  # share of the record on which it acts
 
     @property
     def stderr(self) -> np.ndarray:
@@ -488,17 +488,15 @@ class Selection:
             null, freedom = whitened.by_all_weeks()
         else:
             null, freedom = self.seen.placebo(given, own, whitened)
-        rows, null = rows_of(one, design), null / unit
+        rows, null = one.rows(design), null / unit
         seen = whitened.estimate / scale
-        there = probability_of_existence(one, rows, seen, null, freedom)
-        fits = within_bounds(rows, estimate, np.sqrt(np.diag(covariance)))
-        keys = tuple(one.effect.rows())
-        if not one.effect.sensor_fault:
-            keys = tuple(design.names[place_of(column)] for column in one.columns)
-        gain = gain / design.count
+        there = one.existence(rows.values(), seen, null, freedom)
+        fits = within_bounds(rows.values(), estimate, np.sqrt(np.diag(covariance)))
+        gain, acting = gain / design.count, self.acting(one)
         sizes = estimate, covariance
-        acting = self.acting(one)
-        return Score(keys, gain, *sizes, there, fits, seen, null, freedom, acting)
+        return Score(
+            tuple(rows), gain, *sizes, there, fits, seen, null, freedom, acting
+        )
 
     def weighed(self, choice: Choice, others: Sequence[Choice]) -> Choice:
         """A choice with its rivals, by how much of its part each explains."""

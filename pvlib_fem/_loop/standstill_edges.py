@@ -17,7 +17,6 @@ import numpy as np
 
 from pvlib_fem._loop.comparisons import GAMMA, bright
 from pvlib_fem._loop.divided_record import Case
-from pvlib_fem._loop.weeks import Part
 from pvlib_fem._record.column_names import is_power
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem.drivers import derive_drivers
@@ -58,7 +57,7 @@ def edge_weeks(case: Case, effects: Iterable[Effect], before: int) -> np.ndarray
     array of int
         Days since 1970-01-01; none if they are more than half of the test days.
     """
-    test = np.unique(case.whole.dates[case.parts == Part.TEST])
+    test = np.unique(case.whole.dates[case.held_out])
     needed = np.zeros(len(test), dtype=bool)
     found = [one for one in effects if one.turns]
     for effect in found:

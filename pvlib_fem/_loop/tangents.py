@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.inputs import Columns, Inputs, Record
@@ -171,7 +172,7 @@ def gather_evidence(
     changing: list[tuple[Effect, str]] = []
     for one, own in tangents(tried, failed, inputs, at):
         known = record.complete_rows(needed_for(one.wide.drivers))[rows]
-        if not all(are_numbers(column, known) for column in own.values()):
+        if not all(np.isfinite(column[known]).all() for column in own.values()):
             failed |= {name: because(Reason.NOT_A_NUMBER) for name in one.names}
         elif one.scan:
             scanned.append((one.scan, one.wide, own, known))
@@ -405,18 +406,6 @@ def tangents(
             yield one, {key: slopes.pop(key) for key in one.wide.rows()}
 
 
-def are_numbers(column: np.ndarray, known: np.ndarray) -> bool:
-    """Whether a column is a number on all rows that are known."""
-    # a sum that is one says it of all, in one fast pass
-    return bool(np.isfinite(sum_or_nan(column)) or np.isfinite(column[known]).all())
-
-
-def sum_or_nan(column: np.ndarray) -> float:
-    """Sum of a column; NaN of infinities of both signs, without a warning."""
-    with np.errstate(invalid="ignore"):
-        return float(column.sum())
-
-
 def terms_of(effect: Effect, columns: Columns) -> Mapping[str, Terms]:
     """Slopes of an effect's terms from where it adds nothing."""
     return linearised(effect, columns).slopes(columns, effect.start)
@@ -435,22 +424,9 @@ def gapless_terms(terms: Terms) -> Terms:
 
 def gapless_column(column: np.ndarray | float) -> np.ndarray | float:
     """A column of terms with the next number in each gap, at its end the last one."""
-    if (
-        isinstance(column, float)
-        or not np.ndim(column)
-        or not np.isnan(sum_or_nan(column))
-    ):
+    if not np.ndim(column) or not np.isnan(column).any():
         return column
-    gaps = np.flatnonzero(np.isnan(column))
-    if len(gaps) in (0, len(column)):
-        return column
-    begins = np.diff(gaps, prepend=-2) > 1
-    after = gaps[np.append(begins[1:], True)] + 1  # the row behind each gap
-    if after[-1] == len(column):
-        after[-1] = gaps[begins][-1] - 1
-    column = column.copy()
-    column[gaps] = column[after[np.cumsum(begins) - 1]]
-    return column
+    return pd.Series(column).bfill().ffill().to_numpy()
 
 
 def located_effect(

@@ -34,15 +34,3 @@ def one_blas_thread() -> Iterator[None]:
                 RUNNING.pop()  # any but the first, which knows what was before
             else:
                 RUNNING.pop().restore_original_limits()
-
-
-def one_thread_of_trees() -> threadpool_limits:
-    """
-    Trees on one thread, since sums over several have other last bits.
-
-    Returns
-    -------
-    threadpool_limits
-        Context manager that restores the number of threads.
-    """
-    return threadpool_limits(limits=1, user_api="openmp")

@@ -6,11 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pvlib_fem._findings import OUTSIDE
-from pvlib_fem._loop.close import Round, with_probabilities
+from pvlib_fem._loop.close import Round
 from pvlib_fem._loop.conclude import HALF, credible_names
+from pvlib_fem._loop.cross_checks import log_likelihoods
 from pvlib_fem._loop.design import Changed, Column, Design, columns_of
 from pvlib_fem._loop.dictionary import Candidate
 from pvlib_fem._loop.divided_record import Case
+from pvlib_fem._loop.noise import with_outside
 from pvlib_fem._loop.ranking import squares_given_others
 from pvlib_fem._loop.references import DailyDeviation, daily_deviations
 from pvlib_fem._loop.refits import Step
@@ -160,9 +162,8 @@ class Look:
             ):
                 continue
             given = selection.given(others)
-            choice = with_probabilities(
-                selection, choice, given, references, self.coefficients
-            )
+            logs = log_likelihoods(references, choice, self.coefficients)
+            choice = with_outside(design, choice, given, limits, logs)
             if self.one.name in credible_names(choice, limits.min_probability):
                 return choice.probabilities[OUTSIDE] <= HALF
         return False

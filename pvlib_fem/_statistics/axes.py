@@ -159,47 +159,16 @@ class Axis:
                 return runs[np.argmax(held)]
         return np.arange(count)
 
-    def words(self, bins: list | np.ndarray, share: float) -> str:
-        """Words for a run of bins, with a share of the rows in it."""
+    def ends(self, bins: list | np.ndarray) -> tuple[Any, Any]:
+        """From and to of a run of bins."""
+        return self.labels[bins[0]][0], self.labels[bins[-1]][1]
+
+    def words(self, bins: list | np.ndarray) -> str:
+        """Words for a run of bins; empty for the whole axis."""
         if len(bins) == len(self.labels):
             return ""
-        start, end = self.labels[bins[0]][0], self.labels[bins[-1]][1]
         words = CLOCK_WORDS.get(self.name) if not self.column else column_words
-        return words(self.name, start, end)
-
-    def place(self, bins: np.ndarray, rows: np.ndarray) -> "Place":
-        """The range of some bins; ``rows`` are the numbers of rows in all bins."""
-        share = float(rows[bins].sum() / rows.sum())
-        ends = self.labels[bins[0]][0], self.labels[bins[-1]][1]
-        words = self.words(bins, share)
-        return Place(self.name, self.column, *ends, share, words)
-
-
-@dataclass(frozen=True)
-class Place:
-    """
-    The range of an axis in which a residual is large.
-
-    Attributes
-    ----------
-    driver : str
-        Name of the axis.
-    column : str
-        The binned column; empty for clock or calendar.
-    start, end : float or str
-        Labels of the bins: hours, months, the driver's unit, compass points.
-    share : float
-        Share of all rows in the range. [-]
-    words : str
-        The range in words; empty if it is the whole axis.
-    """
-
-    driver: str
-    column: str
-    start: float | str
-    end: float | str
-    share: float
-    words: str
+        return words(self.name, *self.ends(bins))
 
 
 def axes(places: dict, dates: np.ndarray) -> Iterator:

@@ -8,20 +8,17 @@ clustered by week.
 
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.sparse import csr_array
 
-from pvlib_fem._statistics.leastsquares import BLOCK, products
+from pvlib_fem._statistics.leastsquares import products
 
 FOLDS = 5
 WEEK = 7  # days that stay together in a fold
 FEWEST_CLUSTERS = 8  # with fewer weeks, errors are clustered by day
 FEWEST_DAYS = 5  # with fewer days, the spread between days gives no error
-AT_ONCE = 1 << 12  # rows of short days whose products are computed together
 RIDGE = 1e-9  # of a column's square: an undetermined coefficient stays 0
 
 
@@ -35,11 +32,8 @@ class ClusterSums:
 
     sums: np.ndarray  # days, columns + 1, columns + 1
     scale: np.ndarray
-    rows: int
-    folds: np.ndarray  # of each day
     weeks: np.ndarray  # of each day, in order
     dates: np.ndarray  # of each day, from 1970-01-01
-    fewest: int = FEWEST_CLUSTERS
 
     @property
     def days(self) -> int:
@@ -50,15 +44,10 @@ class ClusterSums:
         return self.sums.sum(axis=0)
 
     @cached_property
-    def by_fold(self) -> np.ndarray:
-        folds = np.unique(self.folds)
-        return np.array([self.sums[self.folds == n].sum(axis=0) for n in folds])
-
-    @cached_property
     def clusters(self) -> np.ndarray:
         """First day of each cluster: a week with its weather, or a day if few weeks."""
         weeks, first = np.unique(self.weeks, return_index=True)
-        return np.arange(self.days) if len(weeks) < self.fewest else first
+        return np.arange(self.days) if len(weeks) < FEWEST_CLUSTERS else first
 
     @cached_property
     def by_cluster(self) -> np.ndarray:
@@ -78,33 +67,11 @@ class ClusterSums:
 
     def on(self, days: np.ndarray) -> "ClusterSums":
         """Sums of some days, by their places."""
-        picked = {name: getattr(self, name)[days] for name in ("folds", "weeks")}
-        return replace(self, sums=self.sums[days], **picked)
+        return replace(self, sums=self.sums[days], weeks=self.weeks[days])
 
     def solve(self, kept: list) -> np.ndarray:
         """Best coefficients of the kept columns."""
         return ridged(self.whole[kept][:, kept], self.whole[kept, -1])
-
-    @cached_property
-    def validated(self) -> dict:
-        """Cache of :meth:`cross_validated`, by the kept columns."""
-        return {}
-
-    def cross_validated(self, kept: Any) -> float:
-        """Cross-validated mean square of the residual with the kept columns."""
-        kept = tuple(kept)
-        if kept not in self.validated:  # many candidates share the other columns
-            self.validated[kept] = self.losses(list(kept), self.by_fold) / self.rows
-        return self.validated[kept]
-
-    def losses(self, kept: list, parts: np.ndarray) -> float:
-        """Residual sum of squares over the parts, each by a solution of the others."""
-        parts = submatrices(parts, [*kept, -1])
-        rest = submatrices(self.whole[None], [*kept, -1]) - parts
-        solutions = ridged(rest[:, :-1, :-1], rest[:, :-1, -1])
-        inner = np.einsum("fi,fij,fj->f", solutions, parts[:, :-1, :-1], solutions)
-        crossed = np.einsum("fi,fi->f", solutions, parts[:, :-1, -1])
-        return float((parts[:, -1, -1] - 2.0 * crossed + inner).sum())
 
     def covariance(self, kept: list) -> np.ndarray:
         """Covariance of the solution by the jackknife over weeks (CR3)."""
@@ -143,31 +110,10 @@ def submatrices(sums: np.ndarray, columns: list) -> np.ndarray:
     return sums.reshape(len(sums), -1).take(places, axis=1)
 
 
-def root_of_decrease(square: Any) -> Any:
-    """
-    Root of a decrease of the mean square; negative for an increase.
-
-    It is rounded to 1 µK, so that rounding errors do not decide between equal values.
-
-    Parameters
-    ----------
-    square : float
-        Decrease of the mean square. [K²]
-
-    Returns
-    -------
-    float
-        [K]
-    """
-    return round(float(np.sign(square) * np.sqrt(abs(square))), 6)
-
-
 def cluster_sums(
     columns: list,
     residual: np.ndarray | pd.Series,
     dates: np.ndarray,
-    folds: int = FOLDS,
-    fewest: int = FEWEST_CLUSTERS,
 ) -> ClusterSums:
     """
     Sum the products of columns over each date, in order.
@@ -183,25 +129,19 @@ def cluster_sums(
         Becomes the last column of the products.
     dates : array of int, shape (rows,)
         Day of each row, from 1970-01-01, in order.
-    folds : int, default 5
-        Number of groups of weeks for cross-validation.
-    fewest : int, default 8
-        With fewer weeks, errors are clustered by day.
 
     Returns
     -------
     ClusterSums
     """
     by_day = products_by_day([*columns, residual], dates)
-    return cluster_sums_of(*by_day, len(residual), folds, fewest)
+    return cluster_sums_of(*by_day, len(residual))
 
 
 def cluster_sums_of(
     days: np.ndarray,
     sums: np.ndarray,
     rows: int,
-    folds: int = FOLDS,
-    fewest: int = FEWEST_CLUSTERS,
 ) -> ClusterSums:
     """
     :class:`ClusterSums` from daily products of columns.
@@ -214,10 +154,6 @@ def cluster_sums_of(
         Products of the columns and, last, of the residual, over each day.
     rows : int
         Number of rows of all days.
-    folds : int, default 5
-        Number of groups of weeks for cross-validation.
-    fewest : int, default 8
-        With fewer weeks, errors are clustered by day.
 
     Returns
     -------
@@ -227,8 +163,7 @@ def cluster_sums_of(
     scale[scale == 0] = 1.0
     scales = np.append(scale, 1.0)
     sums = sums / np.outer(scales, scales)
-    of_day = days_of_folds(days, folds)
-    return ClusterSums(sums, scale, rows, of_day, calendar_weeks(days), days, fewest)
+    return ClusterSums(sums, scale, calendar_weeks(days), days)
 
 
 def products_by_day(columns: list, dates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -250,27 +185,8 @@ def products_by_day(columns: list, dates: np.ndarray) -> tuple[np.ndarray, np.nd
         Sums over the rows of each day.
     """
     first, ends = date_starts(dates)
-    size, rows = len(columns), np.diff(first, append=len(dates))
-    daily = np.empty((len(first), size, size))
-    # consecutive short days with equal numbers of rows are computed together
-    edges = np.flatnonzero(np.diff(rows, prepend=0, append=0))
-    for start, end in pairwise(edges):
-        length = rows[start]
-        most = max(AT_ONCE // length, 1) if length * size**2 <= BLOCK else 1
-        for day in range(start, end, most):
-            stop = day + int(np.minimum(most, end - day))
-            days, part = slice(day, stop), slice(first[day], ends[stop - 1])
-            daily[days] = (
-                products(columns, part) if most == 1 else of_days(columns, part, length)
-            )
-    return dates[first], daily
-
-
-def of_days(columns: list, rows: Any, length: int) -> np.ndarray:
-    """Products of columns over days of equal length, with the bits of single days."""
-    table = np.stack([column[rows] for column in columns])
-    days = table.reshape(len(columns), -1, length).transpose(1, 0, 2)
-    return np.ascontiguousarray(days) @ np.ascontiguousarray(days.transpose(0, 2, 1))
+    each = [products(columns, slice(*edges)) for edges in zip(first, ends)]
+    return dates[first], np.array(each).reshape(-1, len(columns), len(columns))
 
 
 def joined_products(parts: list) -> tuple[np.ndarray, np.ndarray]:
@@ -356,6 +272,23 @@ def calendar_weeks(dates: np.ndarray) -> np.ndarray:
     return (np.asarray(dates) + 3) // WEEK
 
 
+def week_numbers(dates: np.ndarray) -> np.ndarray:
+    """
+    Number of the week of each date, from 0; of the day where weeks are few.
+
+    Parameters
+    ----------
+    dates : array of int, shape (n,)
+
+    Returns
+    -------
+    array of int, shape (n,)
+    """
+    weeks = np.unique(calendar_weeks(dates), return_inverse=True)[1]
+    few = weeks.max() + 1 < FEWEST_CLUSTERS
+    return np.unique(dates, return_inverse=True)[1] if few else weeks
+
+
 def jackknife_covariance(
     normals: np.ndarray, scores: np.ndarray, inverse: np.ndarray
 ) -> np.ndarray:
@@ -387,29 +320,6 @@ def jackknife_covariance(
     complement = np.eye(len(inverse)) - normals @ inverse
     shifts = np.linalg.solve(complement, scores[..., None])[..., 0] @ inverse
     return (len(scores) - 1) / len(scores) * shifts.T @ shifts
-
-
-def day_errors(
-    columns: list, residual: np.ndarray | pd.Series, days: np.ndarray
-) -> np.ndarray:
-    """
-    Covariance at a minimum, robust to autocorrelation within a day.
-
-    Parameters
-    ----------
-    columns : list of array, shape (rows,)
-        Slopes of the model along its coefficients.
-    residual : array, shape (rows,)
-        Measured minus modelled at the minimum, in the unit of the measurement.
-    days : array of int, shape (rows,)
-        Day of each row, from 1970-01-01, in order.
-
-    Returns
-    -------
-    array, shape (columns, columns)
-        Covariance of the coefficients by the jackknife over days.
-    """
-    return cluster_sums(columns, residual, days).by_day()
 
 
 def ridged(normal: np.ndarray, right: np.ndarray) -> np.ndarray:

@@ -46,30 +46,6 @@ class Table:
     shares: np.ndarray = field(repr=False)
     rows: np.ndarray = field(repr=False)
 
-    @classmethod
-    def from_residual(
-        cls, axes: tuple, rest: np.ndarray, rows: np.ndarray, weeks: np.ndarray
-    ) -> "Table":
-        """
-        The table of some axes.
-
-        Parameters
-        ----------
-        axes : tuple of Axis
-        rest : array
-            Remaining error, in order of time. [K]
-        rows : array
-            Number of rows behind each value, which is their mean.
-        weeks : array of int
-            Week of each value, from 0 on.
-
-        References
-        ----------
-        .. [1] S. R. Searle, G. Casella and C. E. McCulloch, "Variance Components",
-           Wiley, 1992, chapter 3. :doi:`10.1002/9780470316856`
-        """
-        return Cells.from_axes(axes, rows, weeks).table(rest)
-
     @property
     def values(self) -> np.ndarray:
         """Best linear prediction of each value. [K]"""
@@ -100,22 +76,20 @@ class Table:
         return float(top @ self.means / max(top.sum(), 1.0))
 
     @cached_property
-    def places(self) -> tuple:
-        """Range of the strongest cells along each axis."""
+    def runs(self) -> list[np.ndarray]:
+        """Bins of the strongest cells along each axis."""
         # a temporary error leaves a residual of the other sign elsewhere
-        means = self.shares * self.means
-        squares = np.where(self.top, means**2 * self.rows, 0.0)
-        shape, places = [len(axis.labels) for axis in self.axes], []
+        squares = np.where(self.top, (self.shares * self.means) ** 2 * self.rows, 0.0)
+        shape, runs = [len(axis.labels) for axis in self.axes], []
         for i, axis in enumerate(self.axes):
             other = tuple(j for j in range(len(shape)) if j != i)
-            both = squares, self.rows
-            along, size = (t.reshape(shape).sum(axis=other) for t in both)
-            places.append(axis.place(axis.strongest(along, PLACE_SHARE), size))
-        return tuple(places)
+            along = squares.reshape(shape).sum(axis=other)
+            runs.append(axis.strongest(along, PLACE_SHARE))
+        return runs
 
     @property
     def drivers(self) -> tuple[str, ...]:
-        return tuple(place.driver for place in self.places)
+        return tuple(axis.name for axis in self.axes)
 
     @property
     def name(self) -> str:
@@ -124,12 +98,13 @@ class Table:
     @property
     def ranges(self) -> dict:
         """From and to, by driver."""
-        return {place.driver: (place.start, place.end) for place in self.places}
+        return {axis.name: axis.ends(run) for axis, run in zip(self.axes, self.runs)}
 
     @property
     def where(self) -> str:
-        """The places in words."""
-        words = [place.words for place in self.places if place.words]
+        """The ranges in words."""
+        words = [axis.words(run) for axis, run in zip(self.axes, self.runs)]
+        words = [one for one in words if one]
         if len(words) == 2 and all(one.startswith("where ") for one in words):
             words = [f"{words[0]}, and", words[1].removeprefix("where ")]
         return " ".join(words) or f"spread over {' and '.join(self.drivers)}"

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._record.column_names import DAYLIGHT
-from pvlib_fem._statistics.clusters import FEWEST_DAYS, day_errors
+from pvlib_fem._statistics.clusters import FEWEST_DAYS, cluster_sums
 from pvlib_fem._thermal_parameters.given_record import Measured
 from pvlib_fem._thermal_parameters.parameter_rows import Row
 from pvlib_fem._thermal_parameters.steady_parameters import AIR, BREEZE, IEC, NOMINAL
@@ -155,7 +155,7 @@ def regression(table: pd.DataFrame, days: int) -> tuple[dict, dict]:
     if days < FEWEST_DAYS:
         return values, {}
     dates = table["date"].to_numpy()
-    covariance = day_errors(columns, loss - u0 - u1 * wind, dates)
+    covariance = cluster_sums(columns, loss - u0 - u1 * wind, dates).by_day()
     slopes = -NOMINAL / at**2 * np.array([1.0, BREEZE])
     squares = [*np.diag(covariance), slopes @ covariance @ slopes]
     return values, dict(zip(values, np.sqrt(squares).tolist()))

@@ -20,7 +20,7 @@ from scipy.optimize import minimize_scalar
 from scipy.stats import t as student
 
 from pvlib_fem._record.checks import instants, usual_step
-from pvlib_fem._statistics.clusters import FEWEST_DAYS, day_errors
+from pvlib_fem._statistics.clusters import FEWEST_DAYS, cluster_sums
 from pvlib_fem._thermal_parameters.given_record import Measured
 from pvlib_fem._thermal_parameters.parameter_rows import LEVEL, Row
 
@@ -317,7 +317,7 @@ class PrillimanFit:
             self.temperature(moved, unit_mass + step) for step in (-EDGE / 2, EDGE / 2)
         ]
         slope = ((ends[1] - ends[0]) / EDGE)[residual.index].to_numpy()
-        covariance = day_errors([slope, *columns], residual, dates)
+        covariance = cluster_sums([slope, *columns], residual, dates).by_day()
         return Mass(unit_mass, float(np.sqrt(covariance[0, 0])), days, modelled), ""
 
     def scores(self, mass: Any) -> dict:

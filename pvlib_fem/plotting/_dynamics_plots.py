@@ -11,7 +11,7 @@ from scipy.stats import t as student
 from pvlib_fem._record.file_summary import present
 from pvlib_fem._record.filters import counted
 from pvlib_fem._relaxation import relax
-from pvlib_fem._statistics.clusters import FEWEST_DAYS, day_errors
+from pvlib_fem._statistics.clusters import FEWEST_DAYS, cluster_sums
 from pvlib_fem.plotting._style import (
     AFTER,
     COLOURS,
@@ -229,7 +229,7 @@ def newton_step(
         return None
     try:
         remaining = residual - matrix @ step
-        covariance = day_errors(columns, remaining, dates)
+        covariance = cluster_sums(columns, remaining, dates).by_day()
     except np.linalg.LinAlgError:  # one day alone determines a coefficient
         return None
     return step[0], np.sqrt(covariance[0, 0]), days

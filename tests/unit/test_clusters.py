@@ -7,7 +7,7 @@ from hypothesis import given, strategies as st
 from pvlib_fem._statistics.clusters import (
     FOLDS,
     cluster_sums,
-    day_errors,
+    days_of_folds,
     products_by_day,
 )
 from pvlib_fem._statistics.leastsquares import products
@@ -40,19 +40,6 @@ def test_the_solution_is_least_squares(rows):
     np.testing.assert_allclose(sums.solve(kept) / sums.scale[kept], want, rtol=1e-6)
 
 
-def test_what_is_left_is_cross_validation_by_weeks(rows):
-    columns, residual, dates = rows
-    kept = [0, 1]
-    fold = np.unique((dates + 3) // 7, return_inverse=True)[1] % FOLDS
-    squares = []
-    for out in range(FOLDS):
-        x, y = columns[fold != out][:, kept], residual[fold != out]
-        found = np.linalg.lstsq(x, y, rcond=None)[0]
-        squares.append((residual - columns[:, kept] @ found)[fold == out] ** 2)
-    want = np.concatenate(squares).mean()
-    assert summed(rows).cross_validated(kept) == pytest.approx(want, rel=1e-6)
-
-
 def test_errors_are_those_of_weeks_left_out(rows):
     columns, residual, dates = rows
     kept = [0, 1, 3]
@@ -61,14 +48,12 @@ def test_errors_are_those_of_weeks_left_out(rows):
     sums = summed(rows)
     found = sums.covariance(kept) / np.outer(sums.scale[kept], sums.scale[kept])
     np.testing.assert_allclose(
-        found, day_errors(list(x.T), left, (dates + 3) // 7), rtol=1e-5
+        found, cluster_sums(list(x.T), left, (dates + 3) // 7).by_day(), rtol=1e-5
     )
 
 
 def test_few_weeks_are_folded_by_days():
-    columns = np.ones((100, 1))
-    sums = cluster_sums(list(columns.T), np.arange(100.0), np.repeat(np.arange(20), 5))
-    assert sums.folds.tolist() == [day % FOLDS for day in range(20)]
+    assert days_of_folds(np.arange(20)).tolist() == [day % FOLDS for day in range(20)]
 
 
 @given(st.lists(st.integers(1, 60), min_size=1, max_size=30), st.integers(1, 9))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from pvlib_fem._statistics.clusters import day_errors
+from pvlib_fem._statistics.clusters import cluster_sums
 from pvlib_fem._statistics.leastsquares import descent, minima_of, minimum_of, normal
 
 # NIST StRD, Misra1a (nonlinear regression, lower difficulty), certified values
@@ -120,5 +120,5 @@ def test_day_errors_are_the_jackknife_over_days():
     )
     expected = 7 / 8 * (without - best).T @ (without - best)
     np.testing.assert_allclose(
-        day_errors(list(x.T), y - x @ best, days), expected, rtol=1e-9
+        cluster_sums(list(x.T), y - x @ best, days).by_day(), expected, rtol=1e-9
     )

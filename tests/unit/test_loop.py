@@ -370,7 +370,7 @@ def test_a_correction_that_raises_the_error_is_withdrawn():
     wrong = replace(case.clock, late=-case.clock.late)
     fits = Fits(replace(case, clock=wrong))
     raw = fits.bases(steady_model("faiman"))["balance"]
-    after, step, clock = module_clock(fits.case, fits, raw, Fits)
+    after, step, clock = module_clock(fits, raw)
     assert not clock.applied and clock.after > clock.before
     assert step is raw and not after.case.clock.fault
     assert not clock.checks[0].passed

@@ -14,7 +14,7 @@ from pvlib_fem._loop.predicted_patterns import Pattern
 from pvlib_fem._record.inputs import read
 from pvlib_fem._statements.worth import energies as energies_of
 from pvlib_fem._statistics.axes import Axis, axes, sorted_by
-from pvlib_fem._statistics.tables import Table
+from pvlib_fem._statistics.tables import Cells
 from pvlib_fem.scores import GAMMA
 from pvlib_fem.simulator import PHYSICS, RHINE
 
@@ -257,11 +257,11 @@ def test_a_mean_is_shrunk_by_its_uncertainty():
     axis = sorted_by("x", hours + 0.5)
     truth = random.normal(0.0, 1.0, 24)[hours]
     noisy = truth + random.normal(0.0, 3.0, len(times))
-    table = Table.from_residual((axis,), noisy, np.ones(len(times)), weeks)
+    table = Cells.from_axes((axis,), np.ones(len(times)), weeks).table(noisy)
     assert (table.shares < 1.0).all() and table.shares.mean() > 0.9
     few = slice(0, 24 * 7 * 3)
     cut = replace(axis, bins=axis.bins[few])
-    short = Table.from_residual((cut,), noisy[few], np.ones(few.stop), weeks[few])
+    short = Cells.from_axes((cut,), np.ones(few.stop), weeks[few]).table(noisy[few])
     assert short.shares.mean() < table.shares.mean()
 
 

@@ -14,7 +14,6 @@ from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.conclude import range_around, range_of
 from pvlib_fem._loop.design import Changed, Design, independent_columns
 from pvlib_fem._loop.dictionary import Candidate, dated_candidates
-from pvlib_fem._loop.existence import probability_of_existence
 from pvlib_fem._loop.noise import (
     WithinCells,
     law_misfits,
@@ -187,7 +186,7 @@ def test_the_more_a_change_could_be_the_less_it_is_believed():
     def odds(size, rows=(row,), **more):
         cov = np.array([[0.01**2]])
         one_more = replace(one, **more)
-        return probability_of_existence(one_more, [*rows], np.array([size]), cov, 50.0)
+        return one_more.existence([*rows], np.array([size]), cov, 50.0)
 
     sizes = [odds(size) for size in (0.0, 0.02, 0.04, 0.08, 0.2)]
     assert sizes == sorted(sizes) and sizes[0] < 0.025 < 0.99 < sizes[-1]

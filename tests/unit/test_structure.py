@@ -8,7 +8,7 @@ import pytest
 
 from pvlib_fem._statistics.axes import axes, sorted_by
 from pvlib_fem._statistics.clusters import calendar_weeks
-from pvlib_fem._statistics.tables import Cells, Table, axes_and_pairs, largest_table
+from pvlib_fem._statistics.tables import Cells, axes_and_pairs, largest_table
 
 TIMES = pd.date_range("2023-01-02", periods=96 * 364, freq="15min", tz="Etc/GMT-1")
 DATES = TIMES.tz_localize(None).to_numpy().astype("datetime64[D]").astype(int)
@@ -95,7 +95,7 @@ def test_the_variance_of_a_table_is_recovered_from_noise_of_weeks(variance):
         own = np.sqrt(variance) * random.normal(size=24)
         weeks = random.normal(size=(WEEKS[-1] + 1, 24))  # another one in each hour
         rest = own[HOUR] + 0.7 * weeks[WEEKS, HOUR] + random.normal(size=len(HOUR))
-        found.append(Table.from_residual((axis,), rest, ROWS, WEEKS))
+        found.append(Cells.from_axes((axis,), ROWS, WEEKS).table(rest))
     variances = [one.variance for one in found]
     assert np.mean(variances) == pytest.approx(variance, rel=0.15, abs=0.01)
     sure = np.mean([one.errors > 3.0 for one in found])
@@ -143,7 +143,7 @@ def test_rows_without_a_driver_are_a_bin_of_their_own(name):
     assert (axis.bins[gone] == last).all() and (axis.bins[~gone] < last).all()
     assert axis.labels[last] == ("missing", "missing")
     assert len(axis.labels) == len(whole.labels) + 1
-    assert "missing" in axis.words([last], 0.1)
+    assert "missing" in axis.words([last])
 
 
 def test_a_pattern_after_rain_says_that_in_words():
@@ -152,7 +152,7 @@ def test_a_pattern_after_rain_says_that_in_words():
     assert re.fullmatch(r"from 0(\.\d+)? to (19|20|21|22) h after rain", wet.where)
     axis = sorted_by("hours_since_rain", np.minimum(2.0 * hours, 72.0))
     last = [len(axis.labels) - 1]
-    assert re.fullmatch(r"from \d+ h after rain on", axis.words(last, 0.1))
+    assert re.fullmatch(r"from \d+ h after rain on", axis.words(last))
 
 
 def test_a_pattern_of_the_past_says_that_in_words():
