@@ -473,8 +473,8 @@ def shape_errors(
     air, hour = record["temp_air"], 3600.0 / record.inputs.unit
     over = temperature - air
     slow = relax(np.nan_to_num(over), record.inputs.steps, hour)[rows]
-    steps = np.maximum(record.inputs.steps, 1.0)  # the first has no row before it
-    late = np.diff(temperature, prepend=temperature[:1]) / steps
+    # both neighbours: rows that hold the end of each step are early by half a step
+    late = np.gradient(temperature, record.inputs.seconds)
     over = over[rows]
     columns = {
         "curved": over * np.sqrt(np.abs(over)),
