@@ -374,8 +374,8 @@ class Search:
             self.report("correcting the clock")
             clock = self.case.clock
             self.fits, step, correction = module_clock(self.fits, raw)
-            self.corrections.append(correction)
-            if correction.applied:
+            if correction is not None:
+                self.corrections.append(correction)
                 self.clock = clock
                 self.steps[CORRECTED] = step
         self.start = step

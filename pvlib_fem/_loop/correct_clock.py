@@ -10,10 +10,10 @@ from pvlib_fem._statistics.clusters import week_numbers
 from pvlib_fem.quality._module_lag import Clock, error_with_step
 from pvlib_fem.reasons import Reason, because
 
-RISE = 1.0  # standard errors, by which the error may rise
+FALL = 2.0  # standard errors, by which the error has to fall
 
 
-def module_clock(fits: Fits, raw: Step) -> tuple[Fits, Step, Correction]:
+def module_clock(fits: Fits, raw: Step) -> tuple[Fits, Step, Correction | None]:
     """
     The module's record re-timed, and the same model fitted to it.
 
@@ -26,9 +26,9 @@ def module_clock(fits: Fits, raw: Step) -> tuple[Fits, Step, Correction]:
 
     Returns
     -------
-    Fits, Step, Correction
-        The fits and the step to go on from: of the corrected record, unless its
-        error is larger.
+    Fits, Step, Correction or None
+        The fits and the step to go on from: of the corrected record, if its error is
+        surely smaller; else as given, with a note and no correction.
     """
     case = fits.case
     other = Fits(case.corrected())
@@ -37,22 +37,24 @@ def module_clock(fits: Fits, raw: Step) -> tuple[Fits, Step, Correction]:
     rows &= np.isfinite(raw.measured + step.measured)  # a clock's ends have none
     before, after = (one.error(rows) for one in (raw, step))
     squares = [(one.measured - one.temperature)[rows] ** 2 for one in (raw, step)]
-    errors = rise_in_errors(squares[1] - squares[0], case.whole.dates[rows])
-    check = Check(
-        "rise of the error", "", errors, RISE, most=True, unit="standard errors"
-    )
-    correction = clock_correction(case.clock, before, after, check)
+    errors = mean_in_errors(squares[0] - squares[1], case.whole.dates[rows])
+    check = Check("fall of the error", "", errors, FALL, unit="standard errors")
     if check.passed:
-        return other, step, correction
-    return Fits(replace(case, clock=Clock())), raw, correction
+        return other, step, clock_correction(case.clock, before, after, check)
+    note = (
+        f"{'; '.join(case.clock.faults.values())}, by the time at which it answers "
+        "irradiance; the error is no smaller with that corrected, so the clock is left"
+    )
+    case = replace(case, clock=Clock(), notes=(*case.notes, note))
+    return Fits(case), raw, None
 
 
-def rise_in_errors(rise: np.ndarray, dates: np.ndarray) -> float:
+def mean_in_errors(fall: np.ndarray, dates: np.ndarray) -> float:
     """A mean in standard errors, by the spread between weeks, or days if few."""
-    if not len(rise):
+    if not len(fall):
         return np.nan
     clusters = week_numbers(dates)
-    change, size = np.bincount(clusters, rise), np.bincount(clusters)
+    change, size = np.bincount(clusters, fall), np.bincount(clusters)
     mean, count = change.sum() / size.sum(), len(size)
     if count < 2:
         return float(np.inf * np.sign(mean))
@@ -76,10 +78,6 @@ def clock_correction(
     if "dst" in clock.faults:
         values["summer"] = max((late for _, late in clock.hours), key=abs) / 60.0
     words = "; ".join(clock.faults.values())
-    why = because(Reason.CORRECTED, fault=words)
-    if not check.passed:
-        remedy = "the fitting weeks contradict it; look at the logger's clock"
-        why = because(Reason.NOT_CORRECTED, fault=words, remedy=remedy)
     return Correction(
         fault="+".join(clock.faults),
         columns=("temp_module",),
@@ -88,7 +86,7 @@ def clock_correction(
         before=before,
         after=after,
         unit="K",
-        because=why,
+        because=because(Reason.CORRECTED, fault=words),
         checks=(check,),
-        applied=check.passed,
+        applied=True,
     )

@@ -202,6 +202,7 @@ def unknown_clock(reason: str) -> Clock:
 def jumps_between(sums: Sums, blocks: list, limits: Limits) -> list[dict]:
     """Days at which the clock moved by an hour, and by what. [s]"""
     shape, jumps = usual_response(sums.step), []
+    blocks = unmixed(blocks, limits)
     for one, other, end in zip(blocks, blocks[1:], [*blocks[2:], {"day": len(sums)}]):
         moved = abs(other["late"] - one["late"])
         if abs(moved - HOUR) >= limits.min_noon_error:
@@ -214,6 +215,20 @@ def jumps_between(sums: Sums, blocks: list, limits: Limits) -> list[dict]:
         hour = HOUR * float(np.sign(other["late"] - one["late"]))
         jumps.append({"day": day, "seconds": sums.begin(day), "by": hour})
     return jumps
+
+
+def unmixed(blocks: list, limits: Limits) -> list:
+    """The blocks but those with days before and after a change of an hour."""
+
+    def is_mixed(*late: float) -> bool:
+        moves = np.diff(late)
+        moved = moves.sum()
+        one_hour = abs(abs(moved) - HOUR) < limits.min_noon_error
+        return bool(one_hour and (np.sign(moved) * moves > limits.min_noon_error).all())
+
+    late = [block["late"] for block in blocks]
+    mixed = [False, *map(is_mixed, late, late[1:], late[2:]), False]
+    return [block for block, out in zip(blocks, mixed) if not out]
 
 
 def judge(

@@ -234,7 +234,8 @@ def measured_onset(sums: Sums, days: np.ndarray, limits: Any) -> dict | None:
     # a clear sky's answer has no peak that stands out
     scatter = 1.4826 * np.median(np.abs(height))
     clear = height.max() > limits.min_peak_ratio * scatter > 0
-    if len(days) < FEWEST_DAYS or not clear:
+    known = np.count_nonzero(sums.cross[days].any(axis=1))  # not in a gap
+    if known < FEWEST_DAYS or not clear:
         return None
     first = max(coarse - round(BEFORE / sums.step) - 2, -sums.reach)
     last = min(coarse + round(AFTER / sums.step), sums.reach)

@@ -95,6 +95,17 @@ def test_daylight_saving_is_found_with_its_date(start, date, by, site, step):
     assert f"{by / 60:+.0f} min on" in found.why
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_change_of_an_hour_within_a_block_is_no_drift(seed):
+    """By rows of 15 min a block of days before and after it has a time in between."""
+    found = clock(
+        PHYSICS | {"sky_radiation": 1.0, "dst": 1.0}, 200, 900.0, seed, "2023-01-01"
+    )
+    assert {*found.faults} == {"dst"}
+    ((day, by),) = found.jumps
+    assert by == 3600 and abs(day - pd.Timestamp("2023-03-26", tz=day.tz)).days < 14
+
+
 @pytest.fixture(scope="module")
 def worst():
     """A year that drifts and keeps daylight-saving time, and one that does not."""
