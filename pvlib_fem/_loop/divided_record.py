@@ -15,12 +15,11 @@ from pvlib_fem._record.filters import counted
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._record.resampling import coarse, covered_rows
 from pvlib_fem.drivers import geometry
-from pvlib_fem.drivers._mounts import ANGLES, is_known
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.quality._detached_sensor import Detachment
 from pvlib_fem.quality._lag import by_module_logger
 from pvlib_fem.quality._module_lag import Clock
-from pvlib_fem.quality._plane import Plane, plane_of
+from pvlib_fem.quality._plane import Plane
 from pvlib_fem.quality._tracker_standstill import Standing
 from pvlib_fem.reasons import Because
 
@@ -61,6 +60,7 @@ class Case:
     standing: tuple[StandIn, ...] = ()  # columns that stand in for others
     #: days on which the irradiance sensor does not turn
     standings: tuple[Standing, ...] = ()
+    another_plane: Plane | None = None  # that of the light, if not the stated one
     #: times in which the module's temperature sensor is off
     detachments: tuple[Detachment, ...] = ()
 
@@ -105,17 +105,6 @@ class Case:
     def enough(self) -> bool:
         """Whether the record is long enough for a name."""
         return self.days >= self.criteria.min_days
-
-    @cached_property
-    def another_plane(self) -> Plane | None:
-        """The plane by the light of clear days, if it is surely not the stated one."""
-        site = self.site
-        if not is_known(site) or self.transposed or site["mount"] is not None:
-            return None
-        whole, stated = self.whole, [site[name] for name in ANGLES]
-        light = whole["poa_global"]
-        plane = plane_of(light, whole.index, site["location"], self.late)
-        return plane if plane is not None and plane.is_another(*stated) else None
 
     def placed(self, record: Record) -> Record:
         """A record with the place of sun and module, where that is known."""

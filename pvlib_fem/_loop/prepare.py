@@ -56,8 +56,9 @@ UNSEEN_CLOCK = 120.0  # s, by which the module's clock may be off unseen
 FEWEST_WEEKS = 5  # below which every other day is a test day
 FAR_ZONE = 3.0  # h between a record's clock and the sun; no zone of a place has more
 NEAR_HOUR = 0.25  # h from a whole one, as near as a file of half hours shows it
+SUNLESS = "until then no effect that follows the sun is tried"
 #: faults with which the sun is elsewhere
-OFF_THE_SUN = ("file_shift", "file_dst", "file_jump")
+OFF_THE_SUN = ("file_shift", "file_dst", "file_jump", "file_latitude")
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +137,8 @@ def prepared_case(
         late = look.health.noon.late
         zone = zone_of_the_sun(look.whole.index, late, site["location"])
         corrections += (uncorrected_shift(faults["file_shift"], late, zone),)
+    if "file_latitude" in faults:
+        corrections += (uncorrected("file_latitude", faults["file_latitude"], SUNLESS),)
     off, refused = {*OFF_THE_SUN} & {*faults}, look.refused
     if look.filled.horizontal is not None:
         refuse_clock({name: faults[name] for name in off})
@@ -145,8 +148,11 @@ def prepared_case(
         site = site | dict.fromkeys(PLANE)
         refused = refused | dict.fromkeys(ANGLES, why)
     plane = None if off or site is not look.site else estimated_plane(look, site)
+    other = None if off else another_plane(look, site)
     if plane is not None:
         site = site | plane.angles
+    if other is not None:
+        corrections += (uncorrected("file_plane", other_plane_words(other, site)),)
     sun = geometry(look.whole.index[:1], **site)  # what of it is known
     if off:
         refused = refused | dict.fromkeys(sun, because(Reason.OFF_THE_SUN))
@@ -191,6 +197,7 @@ def prepared_case(
             *notes_of(look, corrections, wanted, site, criteria),
         ),
         corrections=corrections,
+        another_plane=other,
         late=late_of(look),
         transposed=look.filled.horizontal is not None,
         standing=look.filled.standing,
@@ -220,6 +227,27 @@ def estimated_plane(look: Look, site: dict[str, Any]) -> Plane | None:
         return None
     whole = look.whole
     return plane_of(whole["poa_global"], whole.index, site["location"], late_of(look))
+
+
+def another_plane(look: Look, site: dict[str, Any]) -> Plane | None:
+    """The plane by the light of clear days, if it is surely not the stated one."""
+    if look.filled.horizontal is not None or site["mount"] is not None:
+        return None
+    stated = [site[name] for name in ANGLES]
+    if not is_known(site) or any(map(np.ndim, stated)):
+        return None
+    whole = look.whole
+    plane = plane_of(whole["poa_global"], whole.index, site["location"], late_of(look))
+    return plane if plane is not None and plane.is_another(*stated) else None
+
+
+def other_plane_words(plane: Plane, site: dict[str, Any]) -> str:
+    """That the light is not of the stated plane, and of which it is."""
+    tilt, azimuth = (site[name] for name in ANGLES)
+    return (
+        f"the irradiance is not of the stated plane (tilt {tilt:g}°, azimuth "
+        f"{azimuth:g}°): it has {plane}"
+    )
 
 
 def is_before_the_sun(effect: Effect) -> bool:
@@ -652,15 +680,27 @@ def uncorrected_shift(fault: str, late: float, zone: str = "") -> Correction:
     fits = f" (the sun fits {zone})" if zone else ""
     remedy = (
         f"give the times the zone that they are in{fits}, or set the location right; "
-        "until then no effect that follows the sun is tried"
+        f"{SUNLESS}"
     )
+    minutes = late / 60.0
+    return uncorrected("file_shift", fault, remedy, abs(minutes), {"late": minutes})
+
+
+def uncorrected(
+    name: str,
+    fault: str,
+    remedy: str = "look at the given angles and latitude, and at how the sensor stands",
+    error: float = np.nan,
+    values: dict[str, float] | None = None,
+) -> Correction:
+    """The report on a fault of times or place that the user alone can set right."""
     return Correction(
-        fault="file_shift",
+        fault=name,
         columns=("all",),
-        values={"late": late / 60.0},
+        values=values or {},
         stderr={},
-        before=abs(late) / 60.0,
-        after=abs(late) / 60.0,
+        before=error,
+        after=error,
         unit="min",
         because=because(Reason.NOT_CORRECTED, fault=fault, remedy=remedy),
         applied=False,

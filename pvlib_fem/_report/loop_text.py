@@ -122,7 +122,7 @@ def folded_line(head: str, words: str) -> list[str]:
 def clock_lines(loop: "Loop") -> Iterator[tuple[str, str]]:
     """Clock faults come first, since all else may be wrong by them."""
     for one in loop.corrections:
-        yield "corrected" if one.applied else "CLOCK FAULT", one.why
+        yield "corrected" if one.applied else "NOT CORRECTED", one.why
 
 
 def error_rows(loop: "Loop") -> Iterator[tuple[str, str]]:

@@ -6,6 +6,7 @@ from pvlib_fem._findings import Correction
 from pvlib_fem._statements.statement import Statement
 
 LOGGER, FILE = "clock of the module's logger", "clock of the file"
+PLACE = "given place"
 APPLIED = "Corrected for this analysis"
 #: of a fault: the device, and what to do where no size says it better
 ACTIONS = {
@@ -15,6 +16,8 @@ ACTIONS = {
     "file_shift": (FILE, "State the time zone that the file is in, or the location"),
     "file_dst": (FILE, "Keep the logger on standard time, or state its time zone"),
     "file_jump": (FILE, "Synchronise the logger's clock"),
+    "file_latitude": (PLACE, "State the latitude with its sign, or look at the dates"),
+    "file_plane": (PLACE, "Check the angles, the latitude, and how the sensor stands"),
 }
 
 

@@ -10,6 +10,7 @@ from pvlib_fem._findings import PREDICTED
 from pvlib_fem._report.ceiling_text import ceiling_sentence
 from pvlib_fem._report.formatting import two_digits
 from pvlib_fem._report.loop_text import number_cell, record_length
+from pvlib_fem._statements.clock_sentences import PLACE
 from pvlib_fem._statements.make import PATTERN, STUCK
 from pvlib_fem._statements.statement import Statement
 from pvlib_fem.plotting._step_plots import step_name
@@ -116,8 +117,11 @@ def counted_findings(loop: "Loop", statements: list[Statement]) -> str:
         sum(one.cause == cause for one in statements) for cause in (STUCK, DETACHED)
     )
     verdicts = [one.verdict for one in statements if one.cause != STUCK]
+    corrected = sum(verdict.endswith("corrected") for verdict in verdicts)
+    placed = sum(one.device == PLACE for one in statements)
     counts = {
-        "clock fault": sum(verdict.endswith("corrected") for verdict in verdicts),
+        "clock fault": corrected - placed,
+        "wrong coordinate or angle": placed,
         "module temperature sensor that came off": detached,
         "irradiance sensor that was stuck": stuck,
         "identified cause": verdicts.count("identified"),

@@ -10,7 +10,7 @@ from pvlib_fem._record.checks import usual_step
 from pvlib_fem.detect._checked_series import seconds_of
 from pvlib_fem.quality._hours import days_of
 from pvlib_fem.quality._limits import Limits
-from pvlib_fem.quality._noon import due_noons, middles, universal
+from pvlib_fem.quality._noon import due_light, light_of_days, universal
 from pvlib_fem.quality._onset import DAY, solar_midnight
 
 BEST = 0.995  # quantile that stands for full light
@@ -54,10 +54,11 @@ def noons(
     dark = solar_midnight(seconds, light)
     light = with_dark_nights(seconds - dark, light, limits)
     middle_of_row = {"left": step / 2.0, "center": 0.0, "right": -step / 2.0}[label]
-    day, middle = middles(seconds - dark + middle_of_row, light, step, limits)
+    day, middle, _ = light_of_days(seconds - dark + middle_of_row, light, step, limits)
     begins = pd.Timedelta(seconds=dark)
     origin, start = universal(index[0], location) + begins, index[0] + begins
-    late = middle - due_noons(origin, day, location, plane, limits, start)
+    due, _ = due_light(origin, day, location, plane, limits, start)
+    late = middle - due
     late = (late + DAY / 2) % DAY - DAY / 2
     known = np.isfinite(late)
     dates = days_of(index[0], dark + day[known] * DAY)

@@ -9,7 +9,7 @@ from pvlib_fem._record.checks import instants, usual_step
 from pvlib_fem.quality._hours import days_of, listed_jumps, side_of
 from pvlib_fem.quality._jumps import jumps_of, median_change
 from pvlib_fem.quality._limits import Limits
-from pvlib_fem.quality._noon import middles, with_nights
+from pvlib_fem.quality._noon import light_of_days, with_nights
 from pvlib_fem.quality._onset import DAY, solar_midnight
 
 
@@ -57,7 +57,7 @@ def twin_clock(
     noons = []
     for one in (poa_global, other):
         light = with_nights(seconds - dark, np.asarray(one, dtype=float), limits)
-        day, middle = middles(seconds - dark, light, step, limits)
+        day, middle, _ = light_of_days(seconds - dark, light, step, limits)
         noons.append(pd.Series(middle, day))
     apart = (noons[1] - noons[0]).dropna()
     if len(apart) < limits.noon_window:

@@ -19,6 +19,9 @@ from pvlib_fem.quality._onset import DAY, HOUR, solar_midnight
 
 #: standard time lasts 18 weeks and more between two summers
 SHORTEST = pd.Timedelta(weeks=17)
+#: correlation of the length of days with that at the location, below which its latitude
+#: has the wrong sign; weather and hills leave it above 0
+REVERSED = -0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +69,8 @@ def solar_noon_shift(
     -------
     SolarNoon
         ``faults`` may have ``file_dst``, for jumps by an hour, ``file_jump``, for one
-        or for others, and ``file_shift``, for more than half an hour.
+        or for others, ``file_shift``, for more than half an hour, and
+        ``file_latitude``, for long days where those of the location are short.
 
     Notes
     -----
@@ -88,13 +92,15 @@ def solar_noon_shift(
         return SolarNoon(np.nan, pd.Series(dtype=float), (), {})
     step, dark = usual_step(index), solar_midnight(seconds, poa_global)
     poa = with_nights(seconds - dark, np.asarray(poa_global, dtype=float), limits)
-    day, middle = middles(seconds - dark, poa, step, limits)
+    day, middle, length = light_of_days(seconds - dark, poa, step, limits)
+    place_faults = {}
     if location is not None:
         origin = universal(index[0], location) + pd.Timedelta(seconds=dark)
         plane = (surface_tilt, surface_azimuth, mount)
         start = index[0] + pd.Timedelta(seconds=dark)
-        late = middle - due_noons(origin, day, location, plane, limits, start)
-        middle = (late + DAY / 2) % DAY - DAY / 2
+        due, due_length = due_light(origin, day, location, plane, limits, start)
+        middle = (middle - due + DAY / 2) % DAY - DAY / 2
+        place_faults = latitude_fault(length, due_length, location)
     when = dark + (day + 0.5) * DAY
     why, changes = "", []
     if step <= limits.max_noon_step:
@@ -115,7 +121,7 @@ def solar_noon_shift(
     within = tuple(
         tuple(day_of(index[0], dark + d * DAY) for d in c["within"]) for c in changes
     )
-    faults = noon_faults(late, jumps, step, limits)
+    faults = noon_faults(late, jumps, step, limits) | place_faults
     unsure = tuple(tuple(dark + d * DAY for d in c["within"]) for c in changes)
     return SolarNoon(late, days, jumps, faults, why, within, unsure, hours)
 
@@ -134,6 +140,23 @@ def levels(
     small = np.abs(level) < limits.daylight_tolerance
     late = [whole_hours(by, limits) or 60.0 * round(by / 60) for by in level]
     return tuple(zip(starts, np.where(small, 0.0, late)))
+
+
+def latitude_fault(
+    length: np.ndarray, due: np.ndarray, location: Location
+) -> dict[str, str]:
+    """Whether days are long where those of the location are short, in seconds."""
+    if not len(length) or np.ptp(due) < HOUR or not np.ptp(length):
+        return {}
+    if np.corrcoef(length, due)[0, 1] > REVERSED:
+        return {}
+    return {
+        "file_latitude": (
+            "days of the file are long where those at latitude "
+            f"{location.latitude:g}° are short: the latitude has the wrong sign "
+            "(south is negative), or the dates are wrong"
+        )
+    }
 
 
 def noon_faults(
@@ -197,11 +220,11 @@ def with_nights(seconds: np.ndarray, poa: np.ndarray, limits: Limits) -> np.ndar
     return np.where(outside & np.isnan(poa) & (last[day] >= 0), 0.0, poa)
 
 
-def middles(
+def light_of_days(
     seconds: np.ndarray, poa: np.ndarray, step: float, limits: Limits
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """
-    Middle of the light of each whole day.
+    Middle and length of the light of each whole day.
 
     Parameters
     ----------
@@ -221,9 +244,11 @@ def middles(
         Numbers of the whole days, from 0.
     middle : numpy.ndarray, shape (days,)
         Half way between first and last light, from the begin of its day. [s]
+    length : numpy.ndarray, shape (days,)
+        From first to last light. [s]
     """
     if not len(lit := np.flatnonzero(poa > limits.min_light)):
-        return np.zeros(0, dtype=int), np.zeros(0)
+        return np.zeros(0, dtype=int), np.zeros(0), np.zeros(0)
     day = np.floor(seconds / DAY).astype(int)
     rows = np.bincount(day, np.isfinite(poa))
     lit = lit[longest_light(day[lit], seconds[lit], limits)]
@@ -239,7 +264,8 @@ def middles(
         lost < limits.max_accident_share
     )
     whole &= DAY - (fall - rise) > limits.min_night  # False where one is NaN
-    return of_lit[whole], ((rise + fall) / 2 - of_lit * DAY)[whole]
+    middle = (rise + fall) / 2 - of_lit * DAY
+    return of_lit[whole], middle[whole], (fall - rise)[whole]
 
 
 def longest_light(day: np.ndarray, seconds: np.ndarray, limits: Limits) -> np.ndarray:
@@ -287,16 +313,16 @@ def universal(time: pd.Timestamp, location: Location) -> pd.Timestamp:
     return standard_time(pd.DatetimeIndex([time]), location)[0].tz_localize(None)
 
 
-def due_noons(
+def due_light(
     origin: pd.Timestamp,
     days: np.ndarray,
     location: Location,
     plane: tuple,
     limits: Limits,
     start: pd.Timestamp,
-) -> np.ndarray:
+) -> tuple[np.ndarray, np.ndarray]:
     """
-    The middle of the light that a half-clear sky gives on some days.
+    Middle and length of the light that a half-clear sky gives on some days.
 
     Parameters
     ----------
@@ -310,17 +336,18 @@ def due_noons(
     plane : tuple
         Tilt and azimuth [°], None where they are not known, and a mount or None.
     limits : Limits
-        Thresholds of :func:`middles`.
+        Thresholds of :func:`light_of_days`.
     start : Timestamp
         The origin as the record has it.
 
     Returns
     -------
-    numpy.ndarray, shape (days,)
-        From the begin of each day; NaN if no day has an edge of light. [s]
+    middle, length : numpy.ndarray, shape (days,)
+        The middle is from the begin of each day; NaN if no day has an edge of light.
+        [s]
     """
     if not len(days):
-        return np.zeros(0)
+        return np.zeros(0), np.zeros(0)
     some = np.unique(np.append(days[::5], days[-1]))
     seconds = (some[:, None] * DAY + np.arange(0.0, DAY, 300.0)).ravel()
     times = (origin + pd.to_timedelta(seconds, unit="s")).tz_localize("UTC")
@@ -348,7 +375,8 @@ def due_noons(
     poa = np.asarray(poa)
     dark = round(solar_midnight(seconds, poa) / 300.0)
     poa = np.roll(poa.reshape(len(some), -1), -dark, axis=1).ravel()
-    day, middle = middles(seconds, poa, 300.0, limits)
+    day, middle, length = light_of_days(seconds, poa, 300.0, limits)
     if not len(day):
-        return np.full(len(days), np.nan)
-    return np.interp(days, day, middle + 300.0 * dark)
+        return np.full(len(days), np.nan), np.full(len(days), np.nan)
+    middle = np.interp(days, day, middle + 300.0 * dark)
+    return middle, np.interp(days, day, length)

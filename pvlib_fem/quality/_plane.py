@@ -9,11 +9,13 @@ import pvlib
 from pvlib.location import Location
 from scipy.optimize import least_squares
 
+from pvlib_fem._record.checks import usual_step
 from pvlib_fem.drivers import sun
 
 FEWEST_DAYS = 60  # of a record
 CLEAREST = 0.1  # share of each month's days that may be clear
 KEPT = 0.5  # share of those of which the shape is kept
+FINE = 900.0  # s, between rows: the sun's way needs no more
 LOWEST = 70.0  # ° from the vertical, beyond which hills may hide the sun
 TURBIDITY = 3.0  # Linke's, of a clear day in the mean; the scale of each year is free
 ALBEDO = 0.2
@@ -108,6 +110,9 @@ def plane_of(
        an inclined surface", Proc. First Canadian Solar Radiation Data Workshop, 59,
        1980, as in :func:`pvlib.irradiance.haydavies`.
     """
+    if len(index) > 1:
+        every = slice(None, None, max(int(FINE // usual_step(index)), 1))
+        poa_global, index = poa_global[every], index[every]
     local = index.tz_localize(None)
     looked = clear_days(poa_global, index, location, late, np.asarray(local.month))
     if looked is None:

@@ -73,6 +73,29 @@ def test_the_loop_says_that_its_plane_is_estimated_and_names_no_obstacle():
     assert not any("estimated" in note for note in given.notes)
 
 
+@pytest.mark.parametrize("latitude", [49.4, 15.0])
+def test_a_latitude_with_the_wrong_sign_is_told(latitude):
+    """Its days are short where those of the file are long; no effect by the sun is."""
+    site = replace(SITE, latitude=latitude)
+    data = fem.simulator.record(
+        site, effects=fem.simulator.PHYSICS, days=300, step=900, start="2023-03-01"
+    )
+    right, wrong = (
+        fem.close_loop(
+            data,
+            location=Location(sign * latitude, site.longitude, tz=site.tz),
+            surface_tilt=site.surface_tilt,
+            surface_azimuth=site.surface_azimuth,
+        )
+        for sign in (1.0, -1.0)
+    )
+    assert not right.corrections
+    (fault,) = wrong.corrections
+    assert fault.fault == "file_latitude" and not fault.applied
+    assert "the latitude has the wrong sign" in wrong.statements["text"].iloc[0]
+    assert "does not fit the sun" in str(wrong.untestable["incidence_angle"])
+
+
 def test_planes_are_two_where_they_part_by_more_than_their_errors():
     found = Plane(30.0, 355.0, 5.0, 6.0, 40)
     assert not found.is_another(30.0, 355.0)
@@ -91,6 +114,9 @@ def test_a_sensor_in_another_plane_is_told_and_no_obstacle_is_named(turned):
     assert all(f.effect != "shading" for f in loop.finding_objects)
     why = str(loop.untestable.get("shading", ""))
     assert ("not of the stated plane: it has tilt" in why) == (turned > 0.0)
+    faults = [one.fault for one in loop.corrections]
+    assert faults == (["file_plane"] if turned else [])
+    assert (loop.statements["device"].iloc[0] == "given place") == bool(turned)
     others = (str(why) for name, why in loop.untestable.items() if name != "shading")
     assert not any("stated plane" in why for why in others)
 
