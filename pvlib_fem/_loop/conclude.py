@@ -89,7 +89,8 @@ def finding_of(
         if measurements:
             decided = because(Reason.WOULD_DECIDE, measurements=measurements)
             why = replace(why, also=(decided,))
-    if outside > HALF:
+    # a model with the sensor's fault is right for other light on the modules, too
+    if outside > HALF and not effect.unseen_light:
         verdict, why = Verdict.HINT, because(Reason.OUTSIDE, chance=outside)
         checks.append(
             Check(

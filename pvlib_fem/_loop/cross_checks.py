@@ -38,8 +38,9 @@ def log_likelihoods(
     The deviation of a reference along the time profile of the best dated member is
     compared with the deviation that each member predicts. A cause that is in no
     instrument predicts none. An effect by a power predicts any that this power may
-    show, and so does a cause outside that looks like it. Time profiles of one
-    instrument are compared by the residual of the reference given each.
+    show, and so does a cause outside that looks like it. A cause outside that changes
+    the light on the modules shows in power as the irradiance sensor does. Time profiles
+    of one instrument are compared by the residual of the reference given each.
 
     Parameters
     ----------
@@ -68,9 +69,18 @@ def log_likelihoods(
         expected = dict.fromkeys(logs, 0.0) | expected
         broad = np.hypot(max(abs(value) for value in expected.values()), error)
         anything = density(size, broad)
-        for name, value in expected.items():
-            own = np.sqrt(error**2 + (SLACK * value) ** 2 + aged**2)
-            likely = density(size - value + aged, own)
+        likelihoods = {
+            name: density(
+                size - value + aged,
+                np.sqrt(error**2 + (SLACK * value) ** 2 + aged**2),
+            )
+            for name, value in expected.items()
+        }
+        for name, likely in likelihoods.items():
+            if name == OUTSIDE and is_power(one.column):
+                lit = (n for n in names if choice.members[n].effect.unseen_light)
+                other = likelihoods[next(lit, OUTSIDE)]
+                likely = 0.5 * (likely + other)
             # an imitation of an effect by this power shows in it, too
             member = choice.top if name == OUTSIDE else choice.members[name]
             if member.effect.settings.get("source") == one.column:

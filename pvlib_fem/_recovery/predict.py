@@ -165,7 +165,8 @@ class Look:
             logs = log_likelihoods(references, choice, self.coefficients)
             choice = with_outside(design, choice, given, limits, logs)
             if self.one.name in credible_names(choice, limits.min_probability):
-                return choice.probabilities[OUTSIDE] <= HALF
+                known = choice.probabilities[OUTSIDE] <= HALF
+                return known or self.one.effect.unseen_light
         return False
 
     def residual_of(self, column: Column, size: float) -> np.ndarray:

@@ -169,8 +169,9 @@ class Effect:
     dates : object, optional
         ``dates(**dates)`` returns the effect with dates, for one that has none yet.
     unseen_light : bool, default False
-        Whether it is light on the modules that the irradiance sensor does not get. A
-        reflection onto the modules, of which the catalogue has none, looks the same.
+        Whether the irradiance sensor shows more or less light than the modules have.
+        A change of their own light, as by a reflection, dirt, cleaning or brighter
+        ground, looks the same.
     """
 
     name: str

@@ -170,7 +170,9 @@ SENSOR_FAULTS = (
             "season",
             "soiling",
             "a module that ages",
+            "dirt on the modules, their cleaning, or a brighter ground",
         ),
+        unseen_light=True,
     ),
     Effect(
         "module_sensor_contact",
