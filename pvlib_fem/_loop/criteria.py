@@ -40,9 +40,9 @@ class Criteria:
         used. [-]
     min_leak_difference : float
         A column that follows the measured temperature as a whole is made from it and
-        is not used, unless the modelled temperature and the residual, with
-        coefficients of their own, describe more of the column by at least this share
-        of what the remaining error describes. [-]
+        is not used, unless the modelled temperature with more of the residual
+        describes more of the column by at least this share of what the remaining
+        error describes. [-]
     search_step : float
         Step of the means on which effects are searched; the last fit is to the
         record's own steps. [s]

@@ -3,7 +3,10 @@ Columns of a user's own that are made from the module's temperature.
 
 A model splits the temperature `T` into what it explains, `M`, and the remaining error,
 `r = T - M`. A cause of `r` does not depend on `M` beyond any function of the usual
-inputs. A column made from `T` depends on both, by the same coefficient.
+inputs. A column made from `T` depends on both, by the same coefficient. A second sensor
+of the same module depends on both, too. But the noise of the first sensor is in `r`
+and not in the second, so its coefficient of `r` is less than that of `M`. If a cause
+depends on `M`, its coefficient of `r` is more: of what it adds to `T`, most is in `r`.
 """
 
 from collections.abc import Iterable, Iterator
@@ -28,6 +31,11 @@ SMOOTH = np.array([60.0, 180.0]) * 60.0  # s, time constants of smoothed tempera
 MEMORY = np.array([15.0, 60.0, 180.0]) * 60.0  # s, of smoothed inputs
 RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
 LEAST = 1e-12  # of a column's square: less of it on a day is rounding
+#: coefficients of the residual relative to the model's part: without noise of the
+#: module's sensor, and with noise of up to three quarters of the residual's variance
+SECOND = (1.0, 0.5, 0.25)
+#: the same of causes that look like a module's temperature
+CAUSE = (2.0, 4.0)
 KNOTS = np.linspace(0.0, 1.0, 6)[1:-1]  # quantiles at which splines of inputs bend
 
 
@@ -43,10 +51,11 @@ def leaks(
 
     Each is described by smooth functions of the usual inputs, now and smoothed over
     minutes to hours, and by one of these, at several lags: what the model explains of
-    the temperature, the residual, or the temperature as a whole. A column is made
-    from the temperature if the whole describes it better than either part does, and
-    both parts with coefficients of their own do not describe it much better. So a
-    column that a cause drives stays, and so does one that the weather alone drives.
+    the temperature, the residual, or the temperature as a whole, with the residual at
+    full size or at less. A column is made from the temperature if the whole describes
+    it better than either part does, and the whole with more of the residual does not
+    describe it much better. So a column that a cause drives stays, and so does one that
+    the weather alone drives.
 
     Parameters
     ----------
@@ -149,6 +158,9 @@ def is_one_piece(
     """
     Whether a column follows the modelled temperature and the residual as one sum.
 
+    Noise of the module's sensor may be in the residual, and noise of its own in the
+    column.
+
     Parameters
     ----------
     column : array, shape (rows,)
@@ -156,8 +168,8 @@ def is_one_piece(
         Functions of the usual inputs, of the temperature and of the model's part.
     dates : array of int, shape (rows,)
     most : float
-        Share of what the remaining error describes of the column, that both parts
-        with coefficients of their own may describe beyond the whole.
+        Share of what the remaining error describes of the column, that the sum with
+        more of the residual may describe beyond the sum.
     """
     if len(np.unique(dates)) < FEWEST_DAYS or not np.std(column) > 0:
         return False
@@ -166,11 +178,18 @@ def is_one_piece(
     table -= usual @ least_squares_coefficients(usual, table)
     column, model, rest = np.split(table, [1, 1 + model.shape[1]], axis=1)
     folds = days_of_folds(dates)
-    by_model, by_rest, by_whole, by_parts = (
+    by_model, by_rest, by_parts, *by_sums = (
         held_out(column[:, 0], others, folds)
-        for others in (model, rest, model + rest, np.hstack([model, rest]))
+        for others in (
+            model,
+            rest,
+            np.hstack([model, rest]),
+            *(model + share * rest for share in (*SECOND, *CAUSE)),
+        )
     )
-    beyond = by_whole.sum() - by_parts.sum()
+    by_whole = min(by_sums[: len(SECOND)], key=np.sum)
+    by_more = min(by_sums[len(SECOND) :], key=np.sum)
+    beyond = by_whole.sum() - by_more.sum()
     return (
         is_less(by_whole, by_model, dates)
         and is_less(by_whole, by_rest, dates)

@@ -71,6 +71,8 @@ def causes(data, random):
     neighbour = warm * (1.0 + 0.3 * wander(random, rows, 24))
     humid = data["relative_humidity"]
     wet = data["precipitation"] > 0
+    lamp = wander(random, rows, 5)
+    cooled = smooth(0.02 * poa / (1.0 + 0.1 * wind), 0.5)
     elsewhere, gust = wander(random, rows, 6), wander(random, rows, 1)
     other_wind = wind * np.exp(0.4 * gust)
     by_wind = 0.025 * poa * (1.0 / (1.0 + 0.3 * other_wind) - 1.0 / (1.0 + 0.3 * wind))
@@ -90,6 +92,7 @@ def causes(data, random):
         "second_light": (poa + cloud, 0.028 * smooth(cloud, 0.1)),
         "ground": (ground, 0.05 * (ground - data["temp_air"])),
         "cabinet": (data["temp_air"] + smooth(0.015 * poa, 1) + 3 * cabinet, cabinet),
+        "warm_wall": (data["temp_air"] + cooled + 8.0 * lamp, 0.8 * lamp),
     }
 
 
@@ -148,6 +151,16 @@ def test_a_cause_is_not_refused(data):
         acting = data.assign(temp_module=data["temp_module"] + np.asarray(kelvin))
         refused |= found(acting, {name: column})
     assert refused == set()
+
+
+@pytest.mark.parametrize(("noise", "own"), [(0.2, 0.2), (0.5, 0.2), (0.5, 0.5)])
+def test_a_second_sensor_is_refused_though_each_has_noise(data, noise, own):
+    """The first one's noise is in the residual, and not in the second."""
+    random, rows = np.random.default_rng(3), len(data)
+    over = data["temp_module"] - data["temp_air"]
+    second = data["temp_air"] + 1.04 * over + 0.3 + random.normal(0, own, rows)
+    noisy = data["temp_module"] + random.normal(0, noise, rows)
+    assert found(data.assign(temp_module=noisy), {"second": second}) == {"second"}
 
 
 def test_a_copy_between_two_steps_of_the_lags_is_refused():
