@@ -28,6 +28,11 @@ class Reason(Enum):
         "at the module is a cross-check under the name temp_module_2"
     )
 
+    OUTPUT = (
+        "{column} looks like {name}: {evidence}, so it is an output of the modules and "
+        "no cause of their temperature; if it is their power, rename it ({options})"
+    )
+
     # an effect that could not be weighed, or not be seen
     LACKS = "no {columns}"
     LACKS_ALL = "no {columns: or }"

@@ -126,7 +126,17 @@ def input_functions(record: Record, rows: np.ndarray) -> np.ndarray:
 
 
 def splines(values: np.ndarray) -> list[np.ndarray]:
-    """A basis of quadratic splines."""
+    """
+    A basis of quadratic splines of a column.
+
+    Parameters
+    ----------
+    values : array, shape (rows,)
+
+    Returns
+    -------
+    list of array, shape (rows,)
+    """
     values = (values - values.mean()) / max(values.std(), 1e-300)
     knots = np.unique(np.quantile(values, KNOTS))
     return [values, values**2, *(np.maximum(values - k, 0.0) ** 2 for k in knots)]
@@ -198,7 +208,18 @@ def is_one_piece(
 
 
 def least_squares_coefficients(columns: np.ndarray, table: np.ndarray) -> np.ndarray:
-    """Coefficients of a least-squares fit of each column of a table."""
+    """
+    Coefficients of a least-squares fit of each column of a table.
+
+    Parameters
+    ----------
+    columns : array, shape (rows, functions)
+    table : array, shape (rows, columns)
+
+    Returns
+    -------
+    array, shape (functions, columns)
+    """
     products = columns.T @ columns
     size = np.sqrt(np.diag(products))
     size[size == 0.0] = 1.0

@@ -13,6 +13,7 @@ from pvlib_fem._findings import Check, Correction
 from pvlib_fem._fitting.horizontal import refuse_clock
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.divided_record import Case, divided_case
+from pvlib_fem._loop.outputs import outputs
 from pvlib_fem._loop.planes import plane_of_columns, standings_in, with_standings
 from pvlib_fem._loop.replacements import Filled, Replacements
 from pvlib_fem._record.column_names import (
@@ -312,6 +313,10 @@ def screened_frame(
     for name, doubt in health.doubtful.items():
         drivers.pop(name, None)
         refused[name] = because(Reason.DOUBTFUL, column=name, doubt=doubt)
+    for column, name, evidence in outputs(hidden, [*drivers]):
+        options = " ".join(options_of(column, name, drivers.pop(column)))
+        words = {"name": name, "evidence": evidence, "options": options}
+        refused[column] = because(Reason.OUTPUT, column=column, **words)
     whole, still, faults, health = with_answer(
         hidden, faults, health, usual, test, limits
     )
