@@ -8,8 +8,17 @@ import pandas as pd
 from pvlib_fem._record.column_names import ALIASES, COLUMNS, GEOMETRY
 from pvlib_fem._record.header_units import QUANTITIES, named_unit, usual_name_of
 
-#: at the start of a name: neither a factor, nor another power, nor a limit
-TRUE_POWER = r"^(?!.*(fa[ck]tor|reac|appar|blind|schein|limit|set))"
+#: at the start of a name: neither a factor, nor another power, nor a limit, nor a load
+TRUE_POWER = (
+    r"^(?!.*(fa[ck]?t+(o|eu)r|reac|reat[ti]|appar|apar|blind|schein|limit|set|因数|"
+    r"無効|无功|皮相|视在|consum|verbrauch|bezug|bat+er|import|demand|(\b|_)load|消費))"
+)
+#: power in the large languages, after :func:`without_accents`
+POWER = (
+    r"(power|leist\w*|poten[cz]\w*|puissance|vermogen|effekt(\b|_)|moc(\b|_)|мощност\w*|"
+    r"電力|出力|功率)"
+)
+ROMANCE = r"(poten[cz]\w*|puissance)"  # in which AC is CA, and DC is CC
 #: column: names that loggers have for it, the surest first
 NAMES = {
     "poa_rear": (
@@ -50,14 +59,16 @@ NAMES = {
     "snow_depth": (r"snow|schnee",),
     # power by area is never guessed: a plant's would be taken for it
     "power_dc": (
-        r"^p[\s_.-]?dc|dc[\s_.-]*(power|leist)|(power|leist\w*)[\s_.-]*dc|"
-        r"^dc[\s_.-]+([km]?_?w|watt)$",
+        rf"^p[\s_.-]?dc|dc[\s_.-]*{POWER}|{POWER}[\s_.-]*dc|直流.*{POWER}|"
+        rf"{ROMANCE}[\s_.-]*cc(\b|_)|^dc[\s_.-]+([km]?_?w|watt)$",
     ),
     "power_ac": (
-        rf"{TRUE_POWER}((.*[\W_])?p[\s_.-]?ac(\b|_|\d)|.*ac[\s_.-]*(power|leist)|"
-        r".*(power|leist\w*)[\s_.-]*ac|ac[\s_.-]+([km]?_?w|watt)$)",
-        rf"{TRUE_POWER}.*(power|leistung)",
+        rf"{TRUE_POWER}((.*[\W_])?p[\s_.-]?ac(\b|_|\d)|.*ac[\s_.-]*{POWER}|"
+        rf".*{POWER}[\s_.-]*ac|.*{ROMANCE}[\s_.-]*ca(\b|_)|ac[\s_.-]+([km]?_?w|watt)$)",
+        rf"{TRUE_POWER}.*{POWER}",
         rf"{TRUE_POWER}.*(production|generation|output|erzeug|produktion|einspeis).*watt",
+        # whatever its name, in kW or MW, or in W in brackets
+        rf"{TRUE_POWER}(?!.*(rad|irr|light|licht)).*[\s_.-](k_?w|m_?w|watt)$",
     ),
 }
 #: quantity whose unit a header names in brackets, as a word of its name
