@@ -189,12 +189,13 @@ def unnamed_columns(findings: pd.DataFrame) -> list[Paragraph]:
     if findings.empty:
         return []
     causes = findings[findings["effect"].str.startswith(OF_COLUMN)]
-    systems = causes.groupby(causes["effect"].str.removeprefix(OF_COLUMN))["id"]
-    likely = unmapped(dict(iter(systems)))
+    columns = causes["effect"].str.removeprefix(OF_COLUMN)
+    systems = dict(iter(causes["id"].groupby(columns)))
+    likely = unmapped(systems)
     if not likely:
         return []
     some = "; ".join(
-        f"{column} (in {few_names(systems.get_group(column).unique())}) as {name}"
+        f"{column} (in {few_names(systems[column].unique())}) as {name}"
         for column, name in likely.items()
     )
     return [

@@ -520,6 +520,8 @@ def test_the_page_names_columns_that_the_table_of_systems_does_not():
     (one,) = unnamed_columns(findings)
     assert "Pdc_kW (in a, b) as power_dc." in one.text and "fan" not in one.text
     assert unnamed_columns(findings[2:]) == [] and unnamed_columns(findings[:0]) == []
+    (alone,) = unnamed_columns(findings[:1])  # a finding that is the only one
+    assert "Pdc_kW (in b) as power_dc." in alone.text
 
 
 def test_the_page_has_every_state_and_links_to_each_system(table, tmp_path):
