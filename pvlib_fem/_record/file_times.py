@@ -23,6 +23,7 @@ DATENUM = "matlab"  # days since the year 0
 ORIGIN = "1899-12-30"  # of those, since they have a 29 February in 1900
 DAYS_TO_1970 = 719529
 FEW = 5  # rows that tell whether a column of text may hold times
+YEARS = (1, 9999)  # that a calendar can write
 AFTER = 3  # lines that a table may have after its last row, such as totals
 DIGIT = re.compile(r"\d")
 #: the end of a day, as some write it; seconds are 00 already
@@ -216,7 +217,9 @@ def times_of_columns(
     if pd.api.types.is_datetime64_any_dtype(column):
         parsed = column
     elif time_format in COUNTED and pd.api.types.is_numeric_dtype(column):
+        refuse_other_count(column, time_format, name)
         parsed = COUNTED[time_format](column)
+        parsed = parsed.mask(~parsed.dt.year.between(*YEARS))
     else:
         if pd.api.types.is_numeric_dtype(column):
             refuse_numbers(time_format, name)
@@ -230,15 +233,37 @@ def times_of_columns(
 
 #: times that are counted, not written
 COUNTED = {
-    UNIX: lambda column: pd.to_datetime(column, unit="s", utc=True),
-    MILLI: lambda column: pd.to_datetime(column, unit="ms", utc=True),
-    SERIAL: lambda column: pd.Series(
-        pd.to_datetime(column, unit="D", origin=ORIGIN), column.index
-    ).dt.round("ms"),
-    DATENUM: lambda column: pd.Series(
-        pd.to_datetime(column - DAYS_TO_1970, unit="D"), column.index
-    ).dt.round("ms"),
+    UNIX: lambda column: pd.to_datetime(column, unit="s", utc=True, errors="coerce"),
+    MILLI: lambda column: pd.to_datetime(column, unit="ms", utc=True, errors="coerce"),
+    SERIAL: lambda column: days_since(column, ORIGIN),
+    DATENUM: lambda column: days_since(column - DAYS_TO_1970, "unix"),
 }
+#: what is counted, and the numbers of the years from 1985 to 2105 at least
+COUNTS = {
+    UNIX: ("seconds since 1970 in UTC", (5e8, 5e9)),
+    MILLI: ("milliseconds since 1970 in UTC", (5e11, 5e12)),
+    SERIAL: ("days since 1900", (25_000.0, 75_000.0)),
+    DATENUM: ("days since the year 0", (718_000.0, 770_000.0)),
+}
+
+
+def days_since(column: pd.Series, origin: Any) -> pd.Series:
+    days = pd.to_datetime(column, unit="D", origin=origin, errors="coerce")
+    return pd.Series(days, column.index).dt.round("ms")
+
+
+def refuse_other_count(column: pd.Series, time_format: str, name: str) -> None:
+    """Refuse numbers that are times of our years by another count alone."""
+    usual = float(column.median())
+    forms = [form for form, (_, (low, high)) in COUNTS.items() if low <= usual <= high]
+    if not forms or time_format in forms:
+        return
+    number = as_text(column.dropna().iloc[0])
+    raise ValueError(
+        f"column {name} holds numbers such as {number}, which are "
+        f"{COUNTS[forms[0]][0]} and not {COUNTS[time_format][0]}; give --time-format "
+        f"{forms[0]}"
+    )
 
 
 def refuse_numbers(time_format: str, name: str) -> None:
@@ -261,7 +286,10 @@ def no_time(
     row = int(lacking.argmax())
     after = len(lacking) - row
     what = f"column {name}{several} holds no time"
-    held = f"{column.iloc[row]!r}"
+    cells = with_filled_dates(columns).iloc[row]
+    held = " and ".join(
+        "an empty cell" if pd.isna(cell) else repr(as_text(cell)) for cell in cells
+    )
     if row and after <= AFTER and lacking[row:].all():
         last = f"the last {after} rows are" if after > 1 else "the last row is"
         return ValueError(

@@ -9,10 +9,9 @@ import pandas as pd
 
 from pvlib_fem._record.file_times import (
     AFTER,
+    COUNTS,
     DATENUM,
-    MILLI,
     SERIAL,
-    UNIX,
     as_text,
     joined_times,
     of_numbers,
@@ -62,9 +61,6 @@ OF_DAY = (
     {"%H": r"hour|hr|hh"},
 )
 COMPACT = {10: "%Y%m%d%H", 12: "%Y%m%d%H%M", 14: "%Y%m%d%H%M%S"}  # by their digits
-SINCE_1970 = (5e8, 5e9)  # s: 1985 to 2128
-SINCE_1900 = (25_000.0, 75_000.0)  # days: 1968 to 2105
-DATENUMS = (718_000.0, 770_000.0)  # days: 1965 to 2108
 TWICE = 0.05  # share of rows with the same time up to which they are dropped
 LOOKED_AT = 2_000  # rows whose times tell the format, of which most fail at the first
 FIRST = 5
@@ -175,14 +171,10 @@ def formats(columns: pd.DataFrame, tz: str | None = None) -> list:
     if pd.api.types.is_datetime64_any_dtype(column):
         choices = [ISO]
     elif pd.api.types.is_numeric_dtype(column):
-        if column.between(*SINCE_1970).all():
-            return [UNIX]
-        if (column / 1000.0).between(*SINCE_1970).all():
-            return [MILLI]
-        if column.between(*SINCE_1900).all() and (column % 1.0 != 0.0).any():
-            return [SERIAL]
-        if column.between(*DATENUMS).all() and (column % 1.0 != 0.0).any():
-            return [DATENUM]
+        for form, (_, ends) in COUNTS.items():
+            days = form in (SERIAL, DATENUM)
+            if column.between(*ends).all() and not (days and (column % 1 == 0).all()):
+                return [form]
         column = column.map(as_text)
         digits = column.str.len().unique()
         choices = [COMPACT[n] for n in digits if n in COMPACT and len(digits) == 1]

@@ -392,6 +392,50 @@ def test_a_date_and_an_hour_as_numbers_are_proposed(plant, tmp_path):
     assert (read.index == plant.index).all()
 
 
+@pytest.mark.parametrize(
+    ("count", "given"),
+    [
+        ("unix-ms", "unix"),
+        ("unix", "unix-ms"),
+        ("excel", "unix"),
+        ("matlab", "excel"),
+        ("unix", "matlab"),
+    ],
+)
+def test_numbers_of_another_count_are_refused(count, given, plant, tmp_path):
+    seconds = plant.index.asi8 // {"ns": 10**9, "us": 10**6}[plant.index.unit]
+    starts = {"excel": 25569.0, "matlab": 719529.0}  # of 1970, in days
+    numbers = {"unix": seconds, "unix-ms": 1000 * seconds}
+    numbers |= {name: start + seconds / 86400.0 for name, start in starts.items()}
+    path = tmp_path / "plant.csv"
+    plant.set_axis(numbers[count]).to_csv(path, index_label="stamp")
+    with pytest.raises(ValueError, match="column 'stamp' holds numbers such as") as no:
+        fem.read_file(path, time_format=given)
+    assert str(no.value).endswith(f"give --time-format {count}")
+    right = fem.read_file(path, time_format=count)
+    off = right.index.tz_localize(None) - plant.index
+    assert abs(off).max() < pd.Timedelta("0.1s")
+
+
+def test_a_date_and_an_hour_that_are_empty_are_said_as_they_are(plant, tmp_path):
+    date, hour = plant.index.strftime("%Y-%m-%d"), plant.index.strftime("%H:%M")
+    table = plant.assign(Date=date, Time=hour).reset_index(drop=True)
+    table.loc[0, ["Date", "Time"]] = None
+    table.to_csv(tmp_path / "plant.csv", index=False)
+    with pytest.raises(ValueError, match="row 0: an empty cell and an empty cell;"):
+        fem.read_file(tmp_path / "plant.csv", time=("Date", "Time"))
+
+
+def test_a_count_beyond_the_calendar_is_no_time(plant, tmp_path):
+    seconds = (plant.index - pd.Timestamp("1970-01-01")) // pd.Timedelta("1s")
+    for bad in (10**12, 10**18):
+        path = tmp_path / "plant.csv"
+        odd = np.where(np.arange(len(plant)) == 7, bad, seconds)
+        plant.set_axis(odd).to_csv(path, index_label="stamp")
+        with pytest.raises(ValueError, match=rf"no time .* in row 7: '{bad}'"):
+            fem.read_file(path, time_format="unix")
+
+
 def test_a_counter_is_listed_as_one(plant, tmp_path):
     """It is no column of power, whatever its unit."""
     data = plant[list(COLUMNS)].assign(power_ac=plant["poa_global"].clip(lower=0.0))
