@@ -95,7 +95,7 @@ def proposal(
     needed: Iterable[str] = COLUMNS,
 ) -> tuple[str, str]:
     """
-    What to look at, and the command that may read files; both empty without any.
+    What to look at, and the command that may read files.
 
     Parameters
     ----------
@@ -115,27 +115,29 @@ def proposal(
     -------
     (str, str)
         The proposal for a person, and its line with the command.
+
+    Raises
+    ------
+    Exception
+        Of any kind, where the files hold no table that can be read so.
     """
-    try:
-        several = click.get_current_context().info_name == "modules"
-        guessed = guess(files, layouts, columns, how, place, check_record, several)
-        absent = [name for name in needed if name not in guessed.there]
-        level = of_the_sky(guessed) if "poa_global" in absent else []
-        calm = "wind_speed" in absent and "model" in options_given()
-        spared = ["poa_global"] * bool(level) + ["wind_speed"] * calm
-        absent = [name for name in absent if name not in spared]
-        calm = calm and not absent
-        absent += lacking_sensors(guessed.there) if several else []
-        if not absent:
-            needed = [name for name in needed if name not in spared]
-            check = {**how, "convert": how["convert"] or guessed.headers}
-            check["units"] = {**how["units"], **guessed.units}
-            if guessed.area and not how["module_area"]:
-                check["module_area"] = 1.0
-            data = frame(files, guessed.layouts, guessed.columns, **check)
-            check_columns(data, needed)
-    except Exception:  # a proposal is an extra; the error itself is reported anyway
-        return "", ""
+    several = click.get_current_context().info_name == "modules"
+    guessed = guess(files, layouts, columns, how, place, check_record, several)
+    absent = [name for name in needed if name not in guessed.there]
+    level = of_the_sky(guessed) if "poa_global" in absent else []
+    calm = "wind_speed" in absent and "model" in options_given()
+    spared = ["poa_global"] * bool(level) + ["wind_speed"] * calm
+    absent = [name for name in absent if name not in spared]
+    calm = calm and not absent
+    absent += lacking_sensors(guessed.there) if several else []
+    if not absent:
+        needed = [name for name in needed if name not in spared]
+        check = {**how, "convert": how["convert"] or guessed.headers}
+        check["units"] = {**how["units"], **guessed.units}
+        if guessed.area and not how["module_area"]:
+            check["module_area"] = 1.0
+        data = frame(files, guessed.layouts, guessed.columns, **check)
+        check_columns(data, needed)
     line = command(guessed, absent, how, ["--model", "ross"] * calm, level)
     lines = [LOOK, "", f"  {line}", ""]
     lines += [f"- {doubt}" for doubt in guessed.doubts]

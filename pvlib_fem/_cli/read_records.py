@@ -35,6 +35,7 @@ from pvlib_fem._record.layout import PARQUET
 from pvlib_fem._record.logger_files import frame
 from pvlib_fem._record.names import unmapped
 from pvlib_fem._record.parquet import ParquetRecord, open_parquet
+from pvlib_fem._spelling import in_shell
 from pvlib_fem._thermal.steady_models import steady_model
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers._record_site import in_local_days, site_of
@@ -115,16 +116,24 @@ def frame_of_files(
     done = {}  # units that columns were converted from
 
     def otherwise(error: Exception) -> Refused:
-        with waiting(f"looking for what reads {named_files(files)} …"):
-            proposed, line = proposal(files, layouts, columns, how, place, needed)
+        try:
+            with waiting(f"looking for what reads {named_files(files)} …"):
+                proposed, line = proposal(files, layouts, columns, how, place, needed)
+        except Exception:  # a proposal is an extra, and the error is reported anyway
+            return Refused(after_conversion(error, done))
         same = line == command(Guess(layouts, columns), [], how)
         return Refused(after_conversion(error, done), "" if same else proposed)
 
     if propose_only:
-        with waiting(f"looking at {named_files(files)} …"):
-            proposed, _ = proposal(files, layouts, columns, how, place, needed)
-        if not proposed:
-            raise ValueError(f"{files[0].name} holds no table that could be guessed at")
+        try:
+            with waiting(f"looking at {named_files(files)} …"):
+                proposed, _ = proposal(files, layouts, columns, how, place, needed)
+        except Exception as error:
+            told = isinstance(error, (ValueError, OSError))
+            why = f": {in_shell(error)}" if told else ""
+            raise ValueError(
+                f"no command is found that reads {files[0].name}{why}"
+            ) from error
         say(proposed)
         raise click.exceptions.Exit(0)
     try:

@@ -26,6 +26,8 @@ FEW = 5  # rows that tell whether a column of text may hold times
 YEARS = (1, 9999)  # that a calendar can write
 AFTER = 3  # lines that a table may have after its last row, such as totals
 DIGIT = re.compile(r"\d")
+#: the first two numbers of a date that does not begin with the year
+DAY_AND_MONTH = re.compile(r"^\D*(\d{1,2})\D+(\d{1,2})(?!\d)")
 #: the end of a day, as some write it; seconds are 00 already
 MIDNIGHT = re.compile(r"(?<!\d)24([:. ]?)00")
 
@@ -209,8 +211,10 @@ def times_of_columns(
     Raises
     ------
     ValueError
-        If a row holds no time of the format, or day and month look exchanged.
+        If a row holds no time of the format, or day and month look exchanged, or a
+        column holds dates and texts.
     """
+    refuse_mixed(columns)
     name = " and ".join(f"{name!r}" for name in columns)
     column = joined_times(columns)
     parsed: Any
@@ -396,6 +400,40 @@ def refuse_turned(
         f"month, and read as {turned} {days[1]} that follow each other; give "
         f"--time-format '{turned}', or write the times in ISO 8601 if they are right"
     )
+
+
+def refuse_mixed(columns: pd.DataFrame) -> None:
+    """Refuse dates beside texts: a sheet makes dates of the texts that it can read."""
+    for name, column in columns.items():
+        if not pd.api.types.is_object_dtype(column):
+            continue
+        cells = column.to_numpy()
+        dated = np.array([isinstance(cell, datetime.date) for cell in cells])
+        dated &= column.notna().to_numpy()
+        if not dated.any():
+            continue
+        texts = column[~dated].dropna().astype(str)
+        texts = texts[texts.str.count(r"\d+") > 2]
+        if texts.empty:
+            continue
+        turned = [i for i in np.flatnonzero(dated) if cells[i].day != cells[i].month]
+        days = texts.str.extract(DAY_AND_MONTH).astype(float).max(axis=1)
+        what = (
+            f"column {name!r} holds dates in {dated.sum():,} rows and text in "
+            f"{len(texts):,}, such as {texts.iloc[0]!r}"
+        )
+        if turned and (days > 12).all() and max(d.day for d in cells[dated]) <= 12:
+            first = cells[turned[0]]
+            right = first.replace(month=first.day, day=first.month)
+            what += (
+                "; day and month are exchanged in these dates, since none is after "
+                f"the 12th of a month and each text is: the first is row {turned[0]}, "
+                f"{as_text(first)!r}, which is {as_text(right)!r}"
+            )
+        raise ValueError(
+            f"{what}; read the logger's own text file, or import it into the sheet "
+            "anew with this column as text"
+        )
 
 
 def unevenness(column: pd.Series) -> tuple[int, float]:

@@ -436,6 +436,53 @@ def test_a_count_beyond_the_calendar_is_no_time(plant, tmp_path):
             fem.read_file(path, time_format="unix")
 
 
+def as_sheet_reads(index, first="%d/%m/%Y"):
+    """Texts of which a sheet makes dates, of days as months, where there is such."""
+    return [
+        t.replace(month=t.day, day=t.month)
+        if t.day <= 12
+        else t.strftime(f"{first} %H:%M")
+        for t in index.to_pydatetime()
+    ]
+
+
+@pytest.mark.parametrize("parts", [1, 2])
+def test_a_sheet_that_took_days_for_months_is_refused(parts, plant, tmp_path):
+    """Half of the rows would get a date of another month."""
+    hourly = plant[::6]  # from 1 to 20 May, of which eight days are after the 12th
+    data = pd.concat([hourly[: 8 * 24], hourly[12 * 24 :]])
+    cells = as_sheet_reads(data.index)
+    data.insert(0, "Date", cells)
+    if parts == 2:
+        days = [c.date() if not isinstance(c, str) else c.split()[0] for c in cells]
+        data["Date"] = pd.Series(days, data.index, dtype=object)
+        data.insert(1, "Hour", data.index.strftime("%H:%M"))
+    path = tmp_path / "plant.xlsx"
+    data.to_excel(path, index=False)
+    with pytest.raises(ValueError, match="day and month are exchanged") as no:
+        time = ("Date", "Hour")[:parts]
+        fem.read_file(path, time=time, time_format="%d/%m/%Y %H:%M")
+    words = str(no.value)
+    assert "column 'Date' holds dates in 192 rows and text in 192" in words
+    assert "the first is row 0, '2023-01-05" in words and "'2023-05-01" in words
+    assert words.endswith("import it into the sheet anew with this column as text")
+    result = call("loop", path, "--guess")
+    assert result.exit_code == 1 and "day and month are exchanged" in result.output
+
+
+def test_dates_beside_texts_are_refused_and_words_beside_dates_are_not(plant, tmp_path):
+    hourly, path = plant[::6], tmp_path / "plant.xlsx"
+    cells = [*hourly.index.to_pydatetime()]
+    odd = [*cells[:-9], *hourly.index[-9:].strftime("%d/%m/%Y %H:%M")]
+    hourly.assign(t=odd).to_excel(path, index=False)
+    with pytest.raises(ValueError, match="text in 9, such as '20/05") as no:
+        fem.read_file(path, time="t", time_format="%d/%m/%Y %H:%M")
+    assert "exchanged" not in str(no.value)
+    hourly.assign(t=[*cells[:-1], "Mean of 2023"]).to_excel(path, index=False)
+    with pytest.raises(ValueError, match="give --skip-end 1"):
+        fem.read_file(path, time="t")
+
+
 def test_a_counter_is_listed_as_one(plant, tmp_path):
     """It is no column of power, whatever its unit."""
     data = plant[list(COLUMNS)].assign(power_ac=plant["poa_global"].clip(lower=0.0))
