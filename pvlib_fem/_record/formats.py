@@ -97,6 +97,7 @@ def with_times(raw: pd.DataFrame, layout: Layout, doubts: list, file: str) -> La
     choices = [layout.time] if layout.time else [(c,) for c in likely]
     if not layout.time:  # a date alone needs its hours
         choices = [*choices, *((a, b) for a, b in product(likely, likely) if a != b)]
+        choices += [(c,) for c in raw.columns[:1] if c not in likely]
     if not layout.time and (parts := in_parts(raw)):
         return replace(layout, time=tuple(parts), time_format=" ".join(parts.values()))
     for choice in choices:

@@ -81,7 +81,7 @@ def found_layout(file: Path, layout: Any = None) -> tuple[Layout, dict]:
         header, units = header_lines(rows, ".")
         first = name == next(iter(sheets))
         return replace(layout, sheet=0 if first else name, **header), units
-    encoding = encoding_of(file)
+    encoding = encoding_of(file, layout.encoding)
     with open(file, encoding=encoding, newline="", errors="replace") as opened:
         lines = opened.read(SOME).removeprefix("\ufeff").splitlines()[:LINES]
     ways = [
@@ -100,18 +100,21 @@ def found_layout(file: Path, layout: Any = None) -> tuple[Layout, dict]:
     return replace(layout, **how, **header), units
 
 
-def encoding_of(file: Path) -> str:
-    """UTF-8 or UTF-16 where the bytes are that, and else what Windows writes."""
+def encoding_of(file: Path, given: str) -> str:
+    """What the bytes can be: UTF-8 or UTF-16, else as given or as Windows writes."""
     with open(file, "rb") as opened:
         start = opened.read(SOME)
     for mark, name in BOMS.items():
         if start.startswith(mark):
             return name
-    try:
-        codecs.getincrementaldecoder("utf-8")().decode(start)
-    except UnicodeDecodeError:
-        return "cp1252"
-    return "utf-8"
+    utf = Layout.encoding  # signs that are not of ASCII are by chance never that
+    for name in (given, utf) if start.isascii() else (utf, given):
+        try:
+            codecs.getincrementaldecoder(name)().decode(start)
+        except (UnicodeDecodeError, LookupError):
+            continue
+        return name
+    return "cp1252"
 
 
 def text_rows(sheet: pd.DataFrame) -> list[list[str]]:

@@ -343,8 +343,8 @@ def csv_table(file: Path, layout: Any, **how: Any) -> pd.DataFrame:
         data = flat_header(pd.read_csv(source, **how))
     except UnicodeDecodeError as error:
         raise ValueError(
-            f"{file.name} is not in {error.encoding} ({error.reason} at byte "
-            f"{error.start}); give --encoding, such as latin-1"
+            f"{file.name} is not in {layout.encoding} ({error.reason} at byte "
+            f"{error.start}); give --encoding, such as latin-1, or cp932 for Japanese"
         ) from error
     except LookupError as error:
         raise ValueError(

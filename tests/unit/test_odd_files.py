@@ -10,6 +10,7 @@ from conftest import call, proposed
 import pvlib_fem as fem
 from pvlib_fem import simulator
 from pvlib_fem._record.column_names import COLUMNS
+from pvlib_fem._record.layout import Layout, found_layout
 from pvlib_fem._record.months import in_english
 from pvlib_fem._record.names import usual_name
 from pvlib_fem._record.numbers import marks_of
@@ -481,6 +482,35 @@ def test_dates_beside_texts_are_refused_and_words_beside_dates_are_not(plant, tm
     hourly.assign(t=[*cells[:-1], "Mean of 2023"]).to_excel(path, index=False)
     with pytest.raises(ValueError, match="give --skip-end 1"):
         fem.read_file(path, time="t")
+
+
+def test_a_given_encoding_is_used_where_the_bytes_can_be_that(plant, tmp_path):
+    path = tmp_path / "plant.csv"
+    table = plant.rename(columns={"temp_module_2": "気温(℃)"})
+    table.to_csv(path, index_label="日時", encoding="cp932")
+    found, _ = found_layout(path, Layout(encoding="cp932"))
+    assert found.encoding == "cp932" and found.sep == ","
+    given = call("loop", path, "--guess", "--encoding", "cp932")
+    assert "--encoding cp932" in given.output
+    other = call("loop", path, "--guess")
+    assert "plant.csv is not in cp1252" in other.output
+    table.to_csv(path, index_label="日時")
+    assert found_layout(path, Layout(encoding="cp1252"))[0].encoding == "utf-8"
+    plant.to_csv(path, index_label="time")
+    assert found_layout(path, Layout(encoding="cp932"))[0].encoding == "cp932"
+
+
+def test_counted_times_in_the_first_column_are_found_by_their_numbers(plant, tmp_path):
+    path = tmp_path / "plant.csv"
+    seconds = (plant.index - pd.Timestamp("1970-01-01")) // pd.Timedelta("1s")
+    plant.set_axis(seconds).to_csv(path, index_label="t")
+    assert "--time-format unix" in call("loop", path, "--guess").output
+    plant.set_axis(np.arange(len(plant))).to_csv(path, index_label="t")
+    result = call("loop", path, "--guess")
+    assert result.exit_code == 1
+    assert (
+        "no command is found that reads plant.csv: column 't' should" in result.output
+    )
 
 
 def test_a_counter_is_listed_as_one(plant, tmp_path):
