@@ -3,7 +3,8 @@
 import codecs
 import csv
 import re
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import pandas as pd
 from pvlib_fem._record.labels import joined_labels, merged
 from pvlib_fem._record.numbers import NUMBERS
 from pvlib_fem._record.time_formats import ISO
+from pvlib_fem._spelling import did_you_mean
 
 EXCEL = (".xlsx", ".xlsm", ".xls", ".xlsb", ".ods")
 PARQUET = (".parquet", ".pq")
@@ -19,6 +21,7 @@ SOME = 200_000  # characters that are looked at
 LINES = 200
 SEPARATORS = (",", ";", "\t", "|")
 SPACES = " "  # one or more of them
+SKIP_LINES = "skip_lines"  # option for the numbers of lines, else a form of skip_rows
 COMMENT = "# "  # before the lines above a table of these
 FOLLOWING = 5  # rows after the first that have to look like it
 TIME = re.compile(r"\d{1,4}[-/.:]\d{1,2}([-/.:]\d{1,4})?[\d\sT:.,Z+-]*([aApP][mM])?")
@@ -51,6 +54,44 @@ class Layout:
     sort: bool = False
     drop_doubled: bool = False
     drop_untimed: bool = False
+
+
+def layout_of(given: Mapping[str, Any]) -> Layout:
+    """
+    A layout by its fields, or with the option of the command for the numbers of lines.
+
+    Parameters
+    ----------
+    given : dict
+        Fields of `Layout`; ``skip_lines``, a number or some, is ``skip_rows`` with
+        the numbers of the lines to leave out.
+
+    Returns
+    -------
+    Layout
+
+    Raises
+    ------
+    TypeError
+        If there is no such field.
+    ValueError
+        If ``skip_rows`` and ``skip_lines`` are both given.
+    """
+    names = [*(one.name for one in fields(Layout)), SKIP_LINES]
+    if unknown := [name for name in given if name not in names]:
+        raise TypeError(
+            f"there is no argument {unknown[0]!r}{did_you_mean(unknown[0], names)}; "
+            f"a file is read by {', '.join(names)}"
+        )
+    given = dict(given)
+    if (lines := given.pop(SKIP_LINES, None)) is not None:
+        if "skip_rows" in given:
+            raise ValueError(
+                "skip_rows and skip_lines are both given; give one of them, where "
+                "skip_lines=[0, 1] is the same as skip_rows=2"
+            )
+        given["skip_rows"] = (lines,) if isinstance(lines, int) else tuple(lines)
+    return Layout(**given)
 
 
 def found_layout(file: Path, layout: Any = None) -> tuple[Layout, dict]:

@@ -23,7 +23,15 @@ from pvlib_fem._record.header_units import (
 from pvlib_fem._record.joining import joined_tables, stacked_tables
 from pvlib_fem._record.kept_rows import refuse_unknown, ungraded, with_good_rows
 from pvlib_fem._record.labels import flat_header, with_flat_labels
-from pvlib_fem._record.layout import COMMENT, EXCEL, PARQUET, SPACES, TIME, Layout
+from pvlib_fem._record.layout import (
+    COMMENT,
+    EXCEL,
+    PARQUET,
+    SPACES,
+    TIME,
+    Layout,
+    layout_of,
+)
 from pvlib_fem._record.long_tables import wide_table
 from pvlib_fem._record.numbers import refuse_text, ungrouped, unmarked
 from pvlib_fem._spelling import UNCHECKED, ShellText, did_you_mean, refusal
@@ -71,15 +79,16 @@ def read_file(
         the zone of naive times, in which those that its clock skips are left out, or
         that into which others are brought. ``sep``, ``decimal``, ``encoding`` of CSV.
         ``thousands``: what stands between the thousands of numbers. ``skip_rows``: how
-        many lines stand before the header, or the numbers of the lines to leave out,
-        from 0; ``header_rows``: how many lines the header has, whose labels are joined,
-        as ``met_RH``; ``skip_end``: how many lines stand after the last row, such as
-        totals. ``sheet`` of a workbook. ``missing``: texts that stand for a missing
-        value. ``keep``: texts such as ``"Quality=Good"``, of which a row has to have
-        one in that column; others are left out and counted. ``sort``: put the rows in
-        the order of their times. ``drop_doubled``: of rows with the same time keep the
-        first. ``drop_untimed``: leave out rows that hold no time, such as a header in
-        the middle of a file.
+        many lines stand before the header; ``skip_lines``: the numbers of the lines to
+        leave out, from 0, which ``skip_rows`` takes as a list, too; ``header_rows``:
+        how many lines the header has, whose labels are joined, as ``met_RH``;
+        ``skip_end``: how many lines stand after the last row, such as totals. ``sheet``
+        of a workbook. ``missing``: texts that stand for a missing value. ``keep``:
+        texts such as ``"Quality=Good"``, of which a row has to have one in that column;
+        others are left out and counted. ``sort``: put the rows in the order of their
+        times. ``drop_doubled``: of rows with the same time keep the first.
+        ``drop_untimed``: leave out rows that hold no time, such as a header in the
+        middle of a file.
 
     Returns
     -------
@@ -92,6 +101,8 @@ def read_file(
     ValueError
         If the file, its times, a column or a unit are not as said; the message names
         the option of the command ``pvlib-fem`` that helps, which is the keyword here.
+    TypeError
+        If a keyword is none of these.
     """
     given = [file] if isinstance(file, str | PathLike) else file
     files = [Path(one) for one in given]
@@ -100,7 +111,7 @@ def read_file(
             layout[name] = (layout[name],)
         elif name in layout:
             layout[name] = tuple(layout[name])
-    how = [Layout(**layout)] * len(files)
+    how = [layout_of(layout)] * len(files)
     units = {} if isinstance(convert_units, bool) else convert_units
     convert = convert_units is True
     return frame(files, how, columns or {}, convert, units, check_units, module_area)

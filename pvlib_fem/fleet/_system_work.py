@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from pvlib_fem._loop.threads import one_blas_thread
-from pvlib_fem._record.layout import Layout
+from pvlib_fem._record.layout import layout_of
 from pvlib_fem._record.logger_files import frame
 from pvlib_fem._spelling import written_argument
 from pvlib_fem._stored import as_json, stamped
@@ -187,7 +187,7 @@ def frame_of_system(system: System, groups: Groups, folder: str) -> pd.DataFrame
     for i, (disk, paths) in enumerate(groups):
         folders = [Path(folder, f"{i}-{j}") for j in range(len(paths))]
         local.append([local_path(disk, *both) for both in zip(paths, folders)])
-    layout = Layout(**system.layout)
+    layout = layout_of(system.layout)
     reading = dict(system.reading)
     data = frame(
         [one if len(one) > 1 else one[0] for one in local],

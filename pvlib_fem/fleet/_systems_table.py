@@ -12,7 +12,7 @@ import pandas as pd
 from pvlib_fem._record.column_names import ROTATION, renamed
 from pvlib_fem._record.file_times import zoned
 from pvlib_fem._record.header_units import QUANTITIES, unit_of
-from pvlib_fem._record.layout import EXCEL, PARQUET, Layout
+from pvlib_fem._record.layout import EXCEL, PARQUET, SKIP_LINES, Layout, layout_of
 from pvlib_fem._thermal.steady_models import steady_model
 from pvlib_fem.drivers._mounts import ANGLES, TRACKER
 from pvlib_fem.types import FilePath
@@ -26,7 +26,7 @@ PLACE = {
 }
 #: options of reading in addition to the layout of the file
 READING = ("convert_units", "check_units", "module_area")
-LAYOUT = tuple(one.name for one in fields(Layout))
+LAYOUT = (*(one.name for one in fields(Layout)), SKIP_LINES)
 UNITS = {f"{name}_unit": name for name in QUANTITIES}
 #: cells with the names of a file's columns: of angles, those that are no numbers
 CELLS = {name: name for name in (*QUANTITIES, ROTATION)}
@@ -71,7 +71,7 @@ class System:
     columns, units : dict
         Columns of the file and their units, by the package's names.
     layout : dict
-        Fields of :class:`pvlib_fem._record.layout.Layout`.
+        Arguments of :func:`pvlib_fem._record.layout.layout_of`.
     reading : dict
         ``convert_units``, ``check_units``, ``module_area``.
     place : dict
@@ -245,6 +245,7 @@ def system_of(row: Mapping[str, Any], labels: Iterable[str], folder: str) -> Sys
     layout: dict[str, Any] = {
         name: layout_field(name, row[name]) for name in LAYOUT if name in row
     }
+    layout_of(layout)  # refuses skip_rows beside skip_lines
     if "tz" in layout:
         zoned(pd.DatetimeIndex([]), layout["tz"])  # refuses an unknown zone
     reading: dict[str, Any] = {
@@ -321,8 +322,9 @@ def layout_field(name: str, value: Any) -> str | bool | int | tuple:
         return tuple(cell_texts(value))
     if name in ("sort", "drop_doubled", "drop_untimed"):
         return cell_flag(value, name)
-    if name == "skip_rows" and isinstance(value, str) and "," in value:
-        return tuple(int(cell_number(n, name, 0)) for n in value.strip(", ").split(","))
+    lines = str(value)
+    if name == SKIP_LINES or (name == "skip_rows" and "," in lines):
+        return tuple(int(cell_number(n, name, 0)) for n in lines.strip(", ").split(","))
     if name in ("skip_rows", "skip_end", "header_rows"):
         return int(cell_number(value, name, int(name == "header_rows")))
     return "\t" if value == r"\t" else str(value)

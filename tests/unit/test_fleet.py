@@ -22,6 +22,7 @@ from pvlib.location import Location
 import pvlib_fem as fem
 from pvlib_fem import _cli as cli, _stored as stored, fleet, simulator
 from pvlib_fem._record.column_names import COLUMNS
+from pvlib_fem._record.layout import layout_of
 from pvlib_fem.fleet import _store as store
 from pvlib_fem.fleet._report import unnamed_columns
 from pvlib_fem.fleet._shared import few_names, shared_causes
@@ -360,6 +361,14 @@ def test_two_loggers_with_units_of_their_own_are_one_system(folder, tmp_path):
     assert results.result("7").coefficients == pytest.approx(fit.coefficients, rel=1e-6)
 
 
+@pytest.mark.parametrize("lines", ["1", "1,", 1.0, "1, 3"])
+def test_lines_that_are_left_out_have_the_name_of_the_option(lines):
+    table = pd.DataFrame([{"id": "a", "file": "a.csv", "skip_lines": lines}])
+    (system,) = systems_of(opened_table(table))
+    layout = layout_of(system.layout)
+    assert layout.skip_rows == ((1, 3) if lines == "1, 3" else (1,))
+
+
 BAD = (
     ({"id": None}, "row 0 has no id"),
     ({"file": ""}, "system a: it has no file"),
@@ -368,6 +377,8 @@ BAD = (
     ({"surface_tilt": "flat", "surface_azimuth": "0"}, "surface_tilt is 'flat'"),
     ({"tz": "Mars/Olympus"}, "system a: .*no such zone"),
     ({"wind_speed_unit": "furlong"}, "system a: .*furlong"),
+    ({"skip_lines": "1", "skip_rows": "2"}, "system a: skip_rows and skip_lines"),
+    ({"skip_lines": "[1]"}, r"system a: skip_lines is '\[1\]'"),
     ({"sort": "perhaps"}, "system a: sort is 'perhaps'"),
     ({"lattitude": "50"}, "'lattitude', which looks like 'latitude'"),
 )

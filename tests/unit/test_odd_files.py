@@ -500,6 +500,19 @@ def test_a_given_encoding_is_used_where_the_bytes_can_be_that(plant, tmp_path):
     assert found_layout(path, Layout(encoding="cp932"))[0].encoding == "cp932"
 
 
+def test_options_of_lines_are_arguments_of_their_names(plant, tmp_path):
+    path = tmp_path / "plant.csv"
+    head, *rows = plant.to_csv(index_label="time").splitlines(keepends=True)
+    path.write_text("".join([head, ",W/m2,C,m/s,C,C,C\n", *rows]))
+    right = fem.read_file(path, skip_rows=[1])
+    for lines in (1, [1]):
+        pd.testing.assert_frame_equal(fem.read_file(path, skip_lines=lines), right)
+    with pytest.raises(ValueError, match="skip_rows and skip_lines are both given"):
+        fem.read_file(path, skip_lines=1, skip_rows=1)
+    with pytest.raises(TypeError, match=r"no argument 'seperator'.*, sep, decimal"):
+        fem.read_file(path, seperator=";")
+
+
 def test_counted_times_in_the_first_column_are_found_by_their_numbers(plant, tmp_path):
     path = tmp_path / "plant.csv"
     seconds = (plant.index - pd.Timestamp("1970-01-01")) // pd.Timedelta("1s")
