@@ -30,7 +30,12 @@ from pvlib_fem._record.checks import datetime_steps
 from pvlib_fem._record.column_names import ALWAYS, COLUMNS, numeric
 from pvlib_fem._record.footers import parquet_file
 from pvlib_fem._record.guess import Guess
-from pvlib_fem._record.header_units import ForeignUnit, SwappedTemperatures
+from pvlib_fem._record.header_units import (
+    ForeignUnit,
+    SwappedTemperatures,
+    named_unit,
+    own_unit,
+)
 from pvlib_fem._record.layout import PARQUET
 from pvlib_fem._record.logger_files import frame
 from pvlib_fem._record.names import unmapped
@@ -145,7 +150,11 @@ def frame_of_files(
         raise otherwise(error) from error
     done |= data.attrs.pop("converted")
     # a header that names another unit is that of no converted column
-    data.attrs["headers"] = {n: c for n, c in columns.items() if n not in done}
+    data.attrs["headers"] = {
+        n: c
+        for n, c in columns.items()
+        if n not in done or named_unit(n, c) in (None, own_unit(n))
+    }
     for line in data.attrs["notes"]:
         note(line)
     looks = unmapped(numeric(data)) if drivers else {}

@@ -633,7 +633,10 @@ def fading(tmp_path):
 def test_a_corrected_file_has_the_names_of_its_own_and_is_read_again(fading, tmp_path):
     path, maps = fading
     out = tmp_path / "corrected.csv"
-    own = ("--sep", ";", "--convert", "--tz", "Etc/GMT-1")
+    given = pd.read_csv(path, index_col=0, sep=";", parse_dates=True)
+    given["T air"] = (1.8 * given["T air"] + 32.0).round(3)
+    given.to_csv(path, sep=";")
+    own = ("--sep", ";", "--convert", "--unit", "temp_air=°F", "--tz", "Etc/GMT-1")
     found = call("loop", path, *maps, *own, "--corrected", out)
     assert found.exit_code == 0, found.output
     assert "poa_global: the irradiance sensor reads less from 2023-09-" in found.output
@@ -648,7 +651,7 @@ def test_a_corrected_file_has_the_names_of_its_own_and_is_read_again(fading, tmp
     assert again.exit_code == 0, again.output
     assert "irradiance_sensor_step" not in again.output
     whole = pd.read_csv(out, index_col=0, parse_dates=True)
-    given = pd.read_csv(path, index_col=0, sep=";", parse_dates=True)
+    assert np.allclose(1.8 * whole["T air"] + 32.0, given["T air"])
     assert np.allclose(whole["poa_global_original"], given["Irr (W/m2)"])
     assert np.allclose(whole["wind_speed"] * 3.6, given["W (km/h)"])
 
