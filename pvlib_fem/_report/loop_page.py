@@ -332,10 +332,14 @@ def first_model(loop: "Loop") -> str:
     """The model that the first number of the headline is of."""
     error = loop.table[f"rmse_{error_days(loop)[1]}"]
     which = "The first error" if loop.last != loop.base else "The error"
+    form = "fem" if loop.fit.dynamics == "ewm" else loop.fit.dynamics
+    names = [*loop.table.index]
+    usual = [name for name in names[: names.index(loop.base) + 1] if name[0] == "+"]
+    more = "".join(f" and {STEPS.get(name, name[1:])}" for name in usual)
     words = (
         f"{which} is that of the model without effects, fitted to this record with "
-        f"dynamics ({STEPS[loop.base]}); without dynamics it is {error['steady']:.2f} "
-        "K."
+        f"dynamics ({STEPS[form]}){more}; without dynamics it is "
+        f"{error['steady']:.2f} K."
     )
     if CORRECTED in error:
         words += f" Correcting the clock alone gives {error[CORRECTED]:.2f} K."

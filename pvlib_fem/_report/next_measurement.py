@@ -9,6 +9,7 @@ from pvlib_fem._report import budget_text as budget
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.drivers._mounts import is_known
 from pvlib_fem.effects import EFFECTS
+from pvlib_fem.reasons import Reason
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.loop_result import Loop
@@ -95,11 +96,12 @@ def column_sets(name: str, there: Sequence[str]) -> list[tuple[str, ...]]:
     """Sets of columns, none within another, with any of which it could be tested."""
     sets = []
     for variant in EFFECTS[name].forms if name in EFFECTS else ():
+        if variant.confounder != EFFECTS[name].confounder:
+            continue  # a stopgap from the usual inputs
         needs = tuple(n for n in needed_for(variant.drivers) if n not in there)
-        if not needs:  # what it has been tried with
-            break
-        # no stopgap from the usual inputs
-        if variant.confounder == EFFECTS[name].confounder and needs not in sets:
+        if not needs:  # it has been tested
+            return []
+        if needs not in sets:
             sets.append(needs)
     return [one for one in sets if not any(set(two) < set(one) for two in sets)]
 
@@ -109,14 +111,13 @@ def longer_record(loop: "Loop") -> Iterator[tuple[str, str]]:
     if not loop.weighed:
         yield "more days", "this record has too few to leave any out"
         return
-    rows = loop.ranking[loop.ranking.index.isin(loop.untestable)]
     hidden = {
-        str(name): row["minimum_detectable"]
-        for name, row in rows.iterrows()
-        if row["minimum_detectable"] > loop.criteria.min_rmse_reduction
-        and (row["physical"] or row["gain"] <= 0)
+        name: why.values["gain"]
+        for name, why in loop.untestable.items()
+        if why.reason is Reason.DETECTABLE
     }
     if hidden:
+        names = ", ".join(sorted(hidden, key=lambda name: hidden[name]))
         least, most = (f"{end(hidden.values()):.2f}" for end in (min, max))
         size = least if least == most else f"{least} to {most}"
-        yield "more days", f"would show {', '.join(hidden)}, here from {size} K only"
+        yield "more days", f"would show {names}, here from {size} K only"

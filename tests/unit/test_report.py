@@ -22,7 +22,8 @@ from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.file_summary import digest
 from pvlib_fem._report import next_measurement as advice
 from pvlib_fem._report.formatting import with_error
-from pvlib_fem.reasons import Reason
+from pvlib_fem._report.loop_page import first_model
+from pvlib_fem.reasons import Reason, because
 
 VOID = {"meta", "br"}
 
@@ -312,6 +313,9 @@ SECTIONS = (
 )
 
 
+SHOWN = (("rain", 0.31), ("season", 0.12))
+
+
 def test_what_to_measure_next_is_what_is_open_the_largest_first(closed, page):
     items = advice.to_measure(closed)
     start = page.texts.index("What to measure next")
@@ -349,6 +353,39 @@ def test_columns_that_test_most_come_first(record, place):
         "p_dc_per_area is constant"
     )
     assert not any(what.startswith("location") for what in told)
+
+
+def test_no_column_is_asked_for_by_an_effect_that_was_tested():
+    """Power of one kind tests what power of another would."""
+    for name in ("electrical_output", "modules_covered", "sensor_covered", "outage"):
+        assert ("power_dc",) in advice.column_sets(name, COLUMNS)
+        assert advice.column_sets(name, (*COLUMNS, "power_ac")) == []
+    # an estimate from the usual inputs is no test
+    sky = advice.column_sets("sky_radiation", COLUMNS)
+    assert sky == [("longwave_down",), ("relative_humidity",)]
+
+
+def test_more_days_are_for_what_more_days_would_show(closed):
+    hidden = {name: because(Reason.DETECTABLE, gain=gain) for name, gain in SHOWN}
+    alike = {"wind_shape": because(Reason.COLLINEAR)}
+    (item,) = advice.longer_record(replace(closed, untestable={**hidden, **alike}))
+    assert item == (
+        "more days",
+        "would show season, rain, here from 0.12 to 0.31 K only",
+    )
+    assert not [*advice.longer_record(replace(closed, untestable=alike))]
+
+
+def test_the_first_error_names_the_dynamics_of_its_model(closed):
+    """Also where what every module has is in it, or an effect that is held."""
+    words = first_model(closed)
+    form = {"ewm": "the paper's form", "balance": "heat balance"}[closed.fit.dynamics]
+    assert closed.base == "+radiative_loss"
+    assert f"dynamics ({form}) and longwave exchange of every module; without" in words
+    table = closed.table.rename(index={"+radiative_loss": "+rain"})
+    assert f"dynamics ({form}) and rain; without" in first_model(
+        replace(closed, base="+rain", table=table)
+    )
 
 
 def test_where_nothing_could_be_weighed_days_come_first():
