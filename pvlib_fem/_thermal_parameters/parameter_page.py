@@ -138,8 +138,11 @@ def conditions(table: pd.DataFrame) -> str:
 def notes(table: pd.DataFrame) -> Iterator:
     """Each note once, with the parameters that have it."""
     for note, rows in table[table["note"] != ""].groupby("note", sort=False):
-        of, names = (rows.index.get_level_values(n).unique() for n in (0, 1))
-        yield f"{'; '.join(of)} ({', '.join(names)})", note
+        sharing = {}  # parameters to the conventions that have the note on these
+        names = rows.index.to_frame()["parameter"]
+        for convention, own in names.groupby(level="convention", sort=False):
+            sharing.setdefault(", ".join(own), []).append(convention)
+        yield "; ".join(f"{'; '.join(of)} ({n})" for n, of in sharing.items()), note
 
 
 def page(table: pd.DataFrame, title: str = "") -> str:

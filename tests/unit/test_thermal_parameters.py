@@ -22,9 +22,10 @@ from pvlib_fem._thermal_parameters.parameter_page import (
     cells,
     conditions,
     mismatch_text,
+    notes,
     page,
 )
-from pvlib_fem._thermal_parameters.parameter_rows import COLUMNS
+from pvlib_fem._thermal_parameters.parameter_rows import COLUMNS, Row, table_of
 from pvlib_fem._thermal_parameters.steady_parameters import GIVEN, SUNS
 from pvlib_fem._thermal_parameters.t98 import module_class_note, share_error
 from pvlib_fem._thermal_parameters.unit_mass import prilliman_mean
@@ -548,6 +549,23 @@ def test_ranges_hold_the_truth_of_worlds():
     assert table.groupby("convention")["held"].mean().min() > 0.6
     text = "\n".join(study_page(table, 7, 0))
     assert f"{100 * table['held'].mean():.1f} % of {len(table)} ranges" in text
+
+
+def test_a_note_names_the_parameters_of_each_convention_that_have_it():
+    """Those of one step are shorter than it at some winds only."""
+    rough = [
+        ("time constant", "at 5 m/s"),
+        ("means", "at 1 m/s"),
+        ("means", "at 5 m/s"),
+    ]
+    rows = [Row(of, name, 1.0, "s", note="rough") for of, name in rough]
+    rows.insert(0, Row("time constant", "at 1 m/s", 9.0, "s"))
+    said = "time constant (at 5 m/s); means (at 1 m/s, at 5 m/s)"
+    assert [*notes(table_of(rows))] == [(said, "rough")]
+    both = table_of(
+        Row(of, "noct", 1.0, "°C", note="given") for of in ("sam", "pvsyst")
+    )
+    assert [*notes(both)] == [("sam; pvsyst (noct)", "given")]
 
 
 def test_the_page_and_the_text_have_every_row(fits):
