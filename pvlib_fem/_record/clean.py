@@ -137,8 +137,10 @@ class CleanRecord:
         """Columns of a block as they are screened."""
         columns = dict(columns)
         for name, values in columns.items():
-            for first, end in spans_within(self.holes_of(name), start, rows):
+            holes = spans_within(self.holes_of(name), start, rows)
+            if len(holes):
                 columns[name] = values = np.array(values)
+            for first, end in holes:
                 values[first:end] = np.nan
         if self.clip and "poa_global" in columns:
             columns["poa_global"] = np.maximum(columns["poa_global"], 0.0)
