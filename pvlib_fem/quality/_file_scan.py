@@ -1,6 +1,7 @@
 """What one pass over a record in files shows of its times and columns."""
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,10 +13,18 @@ from pvlib_fem._record.inputs import Inputs
 from pvlib_fem._record.parquet import Block, ParquetRecord
 from pvlib_fem._record.ranges import NO_CODE, as_codes, possible_range
 from pvlib_fem.quality._limits import FASTEST, POSSIBLE, Limits
-from pvlib_fem.quality._outliers import is_switch, jumps
+from pvlib_fem.quality._outliers import (
+    is_switch,
+    jumps,
+    lone_zeros,
+    resolution,
+    returns,
+)
 from pvlib_fem.quality._stray_times import stray_side
 from pvlib_fem.quality._stuck import DRIVERS, STILL, Standing, whole_run
 
+#: columns of which single values are compared with those before and after
+RETURNING = (*FASTEST, "poa_global")
 SOME = 1 << 20  # rows from which the usual values of a column are taken
 
 
@@ -33,6 +42,7 @@ class Column:
     least: float = np.inf  # of those that stand for one, possible or not
     size: float = 0.0  # largest of those that stand for one, without its sign
     odd: dict = field(default_factory=dict)  # kind to parts of row, time and value
+    zeros: list = field(default_factory=list)  # parts of what lone_zeros has
     tail: tuple = ()  # the last values that are there, with their rows and times
     standing: Standing | None = None
 
@@ -63,8 +73,8 @@ class Column:
         self.least = np.fmin(self.least, least)
         largest = max(np.fmax.reduce(held), -least)
         self.size = np.fmax(self.size, largest)
-        if self.name in FASTEST:
-            self.spikes(possible_ones, start, times)
+        if self.name in RETURNING:
+            self.accidents(possible_ones, start, times)
         if self.standing is not None:
             clip = self.name == "poa_global" and low < 0
             still = np.maximum(possible_ones, 0.0) if clip else possible_ones
@@ -92,7 +102,7 @@ class Column:
         rows, first = np.unique(rows.astype(int), return_index=True)
         return rows, times[first], values[first]
 
-    def spikes(self, values: np.ndarray, start: int, times: np.ndarray) -> None:
+    def accidents(self, values: np.ndarray, start: int, times: np.ndarray) -> None:
         """Values that jump and return, some perhaps in the blocks before."""
         rows = np.arange(start, start + len(values))
         new = values, rows, times
@@ -103,9 +113,11 @@ class Column:
             return
         least, size = self.limits.min_spike, self.limits.max_accident_rows + 1
         before = [part[-1:] for part in self.tail] or [new[0][:1]]
-        steep = np.abs(np.diff(new[0], prepend=before[0])).max() > least
+        steep = self.name in FASTEST
+        steep = steep and np.abs(np.diff(new[0], prepend=before[0])).max() > least
+        zero = any((part[0] == 0).any() for part in (new, self.tail) if part)
         both = new
-        if self.tail and (steep or len(new[0]) < size):
+        if self.tail and (steep or zero or len(new[0]) < size):
             both = [np.concatenate(parts) for parts in zip(self.tail, new)]
         if steep:
             x, rows, count = both
@@ -114,7 +126,90 @@ class Column:
             if spiked.any():
                 part = rows[spiked], count[spiked], x[spiked]
                 self.odd.setdefault("spike", []).append(part)
+        if zero:
+            self.add_zeros(*both)
         self.tail = tuple(part[-self.limits.max_accident_rows - 1 :] for part in both)
+
+    def add_zeros(self, x: np.ndarray, rows: np.ndarray, count: np.ndarray) -> None:
+        """Zeros that the values around do not lead to, a part for each row."""
+        first, number, depth = lone_zeros(self.name, x, self.limits)
+        took = (count[first + number] - count[first - 1]) * self.unit
+        for i in range(self.limits.max_accident_rows if len(first) else 0):
+            more = number > i
+            at = first[more] + i
+            part = rows[at], count[at], number[more], depth[more], took[more]
+            self.zeros.append(part)
+
+    def zeros_within(self, step: float) -> tuple:
+        """
+        Lone zeros of usual steps: rows, times, zeros of the stretch and their depth.
+
+        At most one row is missing around them, and no evening or morning is.
+        """
+        if not self.zeros:
+            return tuple(np.empty(0, kind) for kind in (int, int, int, float))
+        rows, times, number, depth, took = map(np.concatenate, zip(*self.zeros))
+        rows, one = np.unique(rows, return_index=True)
+        near = took[one] <= self.longest_return(number[one], step)
+        return rows[near], *(part[one][near] for part in (times, number, depth))
+
+    def longest_return(self, rows: Any, step: float) -> Any:
+        """Time between the values around a stretch of rows, one of them missing. [s]"""
+        return np.minimum((rows + 2) * step, self.limits.stale_air_window)
+
+    def improbable(
+        self, clean: CleanRecord, sample: np.ndarray, step: float
+    ) -> np.ndarray:
+        """
+        Lone zeros of a temperature that hardly were measured, as booleans.
+
+        A temperature has no favourite near 0. So readings other than 0 to which it
+        jumped and returned tell how often it did so to 0 itself: they lie up to half
+        the depth of a zero from 0, and half as deep as it. There are as many of them
+        for each zero as readings fit in between, ``depth / resolution``; one more than
+        were seen is expected. Of zeros of half to twice the depth
+        ``max_accident_share`` may have been measured, and of ``max_accident_rows``
+        none. At least ``min_known_values`` readings have to fit in between.
+        """
+        _, _, number, depth = self.zeros_within(step)
+        limits, result = self.limits, np.zeros(len(number), dtype=bool)
+        least = resolution(sample)
+        for rows in np.unique(number):
+            these = np.flatnonzero(number == rows)
+            these = these[np.argsort(depth[these])]
+            far = depth[these]
+            others = np.zeros(len(far) + 1)
+            for x, count in self.stretches(clean, rows):
+                nearest, deep = returns(x, rows)
+                took = (count[rows + 1 :] - count[: -rows - 1]) * self.unit
+                some = (nearest <= deep) & (took <= self.longest_return(rows, step))
+                # depths from twice its distance from 0 to twice its own depth
+                begin = np.searchsorted(far, 2.0 * nearest[some], "left")
+                end = np.searchsorted(far, 2.0 * deep[some], "right")
+                others += np.bincount(begin, minlength=len(far) + 1)
+                others -= np.bincount(end, minlength=len(far) + 1)
+            others = np.cumsum(others)[:-1]
+            zeros = np.searchsorted(far, 2.0 * far, "right")
+            zeros = zeros - np.searchsorted(far, far / 2.0, "left")
+            zeros = zeros / rows
+            expected = (others + 1.0) * least / far
+            sure = (others == 0) | (zeros > limits.max_accident_rows)
+            sure &= far >= limits.min_known_values * least
+            sure &= expected <= limits.max_accident_share * zeros
+            result[these] = sure
+        return result
+
+    def stretches(self, clean: CleanRecord, rows: int) -> Iterator:
+        """Values that are there and their times, with those that windows go on from."""
+        tail: tuple = ()
+        for block in clean.blocks((self.name,)):
+            there = np.isfinite(block[self.name])
+            both = new = block[self.name][there], block.times[there]
+            if tail:
+                both = tuple(np.concatenate(parts) for parts in zip(tail, new))
+            if len(both[0]) > rows + 1:
+                yield both
+            tail = tuple(part[-rows - 1 :] for part in both)
 
     @property
     def never_moves(self) -> bool:

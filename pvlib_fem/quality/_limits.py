@@ -80,14 +80,18 @@ class Limits:
         *All checks.* Largest share of rows that counts as an accident: values in
         another unit, rows years from all others, rows that are missing by day or
         present by night in a file of days alone, values below a calm. An unknown code
-        in more rows is a state of what is measured, such as on. [-]
+        in more rows is a state of what is measured, such as on. Of lone zeros as large
+        a share may have been measured. [-]
     max_accident_rows : int
-        *Fill value, spike, stuck.* Most rows of one accident: a value that jumps and
-        returns, or stays. A code that nobody knows has more rows. [-]
+        *Fill value, lone zero, spike, stuck.* Most rows of one accident: a value that
+        jumps and returns, or stays. A code that nobody knows has more rows, and so few
+        zeros in a temperature need that no other reading was reached by such a jump.
+        [-]
     min_known_values : int
-        *Fill value, spike, end of range, units.* Fewest values by which a column's
-        range is known: different ones, else it is a switch; and rows at the largest
-        reading, else that is no end of a range. [-]
+        *Fill value, lone zero, spike, end of range, units.* Fewest values by which a
+        column's range is known: different ones, else it is a switch; readings between
+        a lone zero and those around it; and rows at the largest reading, else that is
+        no end of a range. [-]
     min_fill_ratio : float
         *Fill value, spike.* Smallest ratio of a positive code to the largest other
         value, in size, in a column whose range is not known. A value that repeats and
@@ -120,8 +124,9 @@ class Limits:
         time constants. A shorter repetition is no fault, and older rows have no
         influence. [s]
     stale_air_window : float
-        *Stuck.* Longest time without a change of the air temperature, or of a module in
-        the dark; calm evenings are shorter. [s]
+        *Stuck, lone zero.* Longest time without a change of the air temperature, or of
+        a module in the dark; calm evenings are shorter. Values further apart do not
+        tell what was in between. [s]
     stale_wind_window : float
         *Stuck.* Longest time without a change of wind above its lowest speed. [s]
     stale_day_window : float
@@ -136,16 +141,18 @@ class Limits:
         *Stuck.* Smallest change of module temperature, or of its rise over air, that
         needs a change of irradiance, of some 300 W/m². [K]
     temperature_tolerance : float
-        *Stuck.* Difference of temperatures without meaning: of the air, to which a
-        module need not respond, in addition to twice the resolution of both; and from
-        0 °C, where snow melts. [K]
+        *Stuck, lone zero.* Difference of temperatures without meaning: of the air, to
+        which a module need not respond, in addition to twice the resolution of both;
+        and from 0 °C, where snow melts. [K]
     min_light : float
         *Noon, stuck, light by night.* Irradiance from which there is light, above what
         a pyranometer reads at night. [W/m²]
     min_bright_irradiance : float
-        *Noon, stuck.* Irradiance that a day has to reach for clear edges; and the
-        change of it to which a module must respond, by 2 to 6 K at the 20 to
-        60 mK/(W/m²) of all mountings. [W/m²]
+        *Noon, stuck, lone zero.* Irradiance that a day has to reach for clear edges;
+        the change of it to which a module must respond, by 2 to 6 K at the 20 to
+        60 mK/(W/m²) of all mountings; and what there is on both sides of a lone zero:
+        1 % of it, less than passes through any cloud, is more than half of the 1 W/m²
+        in which loggers count. [W/m²]
     min_record : float
         *Clock, noon.* Shortest record whose clock is checked: two days and the night
         between. [s]

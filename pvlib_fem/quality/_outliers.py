@@ -336,3 +336,84 @@ def jumps(
         for i in range(rows):
             result[there[begin[up | down] + 1 + i]] = True
     return result
+
+
+def lone_zeros(name: str, values: np.ndarray, limits: Limits) -> tuple:
+    """
+    Rows of exactly 0, to which the values before and after do not lead.
+
+    Parameters
+    ----------
+    name : str
+        Column; irradiance has ``min_bright_irradiance`` on both sides, a temperature
+        is ``temperature_tolerance`` above 0 or below it on both.
+    values : numpy.ndarray, shape (rows,)
+        Without NaN.
+    limits : Limits
+        Those two, and ``max_accident_rows``, the most zeros that follow each other.
+
+    Returns
+    -------
+    first, rows : numpy.ndarray of int, shape (zeros,)
+        Place of the first 0 of each stretch, and the number of them.
+    depth : numpy.ndarray, shape (zeros,)
+        Distance of 0 from the nearer one of the values on both sides.
+    """
+    edges = np.flatnonzero(np.diff(values == 0, prepend=False, append=False))
+    first, end = edges[::2], edges[1::2]
+    inner = (first > 0) & (end < len(values))
+    inner &= end - first <= limits.max_accident_rows
+    first, end = first[inner], end[inner]
+    before, after = values[first - 1], values[end]
+    depth = np.minimum(np.abs(before), np.abs(after))
+    if name == "poa_global":
+        kept = np.minimum(before, after) >= limits.min_bright_irradiance
+    else:
+        kept = (before * after > 0) & (depth >= limits.temperature_tolerance)
+    return first[kept], (end - first)[kept], depth[kept]
+
+
+def returns(values: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
+    """
+    How far each stretch of rows lies on one side of the rows before and after.
+
+    Parameters
+    ----------
+    values : numpy.ndarray, shape (n,)
+        Without NaN.
+    rows : int
+        Length of a stretch.
+
+    Returns
+    -------
+    farthest : numpy.ndarray, shape (n - rows - 1,)
+        Value furthest from 0 of the stretch that begins in the second row, and of
+        those after it, in size; infinite for a stretch that has a 0.
+    depth : numpy.ndarray, shape (n - rows - 1,)
+        Distance from the nearer one of the two rows; negative between them.
+    """
+    n = len(values) - rows - 1
+    inner = np.stack([values[i : i + n] for i in range(1, rows + 1)])
+    low, high = inner.min(axis=0), inner.max(axis=0)
+    before, after = values[:n], values[rows + 1 :]
+    up, down = low - np.maximum(before, after), np.minimum(before, after) - high
+    farthest = np.where((inner == 0).any(axis=0), np.inf, np.maximum(high, -low))
+    return farthest, np.maximum(up, down)
+
+
+def resolution(values: np.ndarray) -> float:
+    """
+    Mean distance between the values that a column has.
+
+    Parameters
+    ----------
+    values : numpy.ndarray, shape (rows,)
+        The column, or evenly taken rows of it.
+
+    Returns
+    -------
+    float
+        In the unit of the column; infinite for a single value.
+    """
+    known = np.unique(values[np.isfinite(values)])
+    return float(np.ptp(known)) / (len(known) - 1) if len(known) > 1 else np.inf

@@ -188,10 +188,10 @@ class Screening:
     Attributes
     ----------
     masks : dict of DataFrame
-        By kind (``"fill value"``, ``"out of range"``, ``"negative by day"``,
-        ``"light by night"``, ``"spike"``, ``"end of range"``, ``"stuck"``): booleans
-        in the form of the data, True where a value is at fault. They join with those
-        of pvanalytics by ``&`` and ``|``.
+        By kind (``"fill value"``, ``"negative by day"``, ``"lone zero"``, ``"out of
+        range"``, ``"light by night"``, ``"spike"``, ``"end of range"``, ``"stuck"``):
+        booleans in the form of the data, True where a value is at fault. They join
+        with those of pvanalytics by ``&`` and ``|``.
     counts : DataFrame
         A row for each column and kind that was found: ``column``, ``kind``, ``rows``,
         ``first`` (its time) and ``value`` (there).
@@ -258,14 +258,16 @@ def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening
     sensor can have measured. *Negative by day* is irradiance below 0 at a time of day
     that is light on the days around; *light by night* irradiance above 20 W/m² more
     than six hours from noon, at a time that is dark on four of five nights around and
-    has no light within an hour and a half of it. *Spikes* are changes there and back
-    that the heat capacity of module or air forbids. *End of range* is where a sensor or
-    its logger stops, and stays, on several days; of light, air and wind the half hour
-    after it is dropped, too, which a module remembers. *Stuck* are values that repeat
-    for far longer than their column's own changes make likely, while what moves them
-    moves: but for wind and drivers that takes all four columns. What is usual in a
-    column is taken from a million of its rows, evenly spaced. False findings are in
-    :doc:`/quality`.
+    has no light within an hour and a half of it. *Lone zeros* are up to three rows
+    of exactly 0, a value that some loggers write for none: irradiance between values of
+    100 W/m² and more, and air or module between values from which it hardly came, by
+    how often it came as far to any other. *Spikes* are changes there and back that the
+    heat capacity of module or air forbids. *End of range* is where a sensor or its
+    logger stops, and stays, on several days; of light, air and wind the half hour after
+    it is dropped, too, which a module remembers. *Stuck* are values that repeat for far
+    longer than their column's own changes make likely, while what moves them moves: but
+    for wind and drivers that takes all four columns. What is usual in a column is taken
+    from a million of its rows, evenly spaced. False findings are in :doc:`/quality`.
 
     Examples
     --------

@@ -27,6 +27,7 @@ from pvlib_fem.quality._outliers import (
     at_end,
     codes_apart,
     is_light,
+    is_switch,
     range_ends,
     rows_outside,
     slots,
@@ -54,6 +55,7 @@ FaultRow = namedtuple("FaultRow", "column kind rows first value")
 KINDS = {
     "fill value": "holds the fill value {value:.7g}",
     "negative by day": "is negative by day, as {value:.4g},",
+    "lone zero": "is exactly {value:g} between values that do not lead to it,",
     "out of range": "is outside {low:g} … {high:g} {unit}, as {value:.5g},",
     "light by night": "is light by night, as {value:.4g}, when other nights are dark,",
     "spike": "jumps and returns faster than it can, as to {value:.5g},",
@@ -129,6 +131,7 @@ class Screener:
         self.doubts = doubtful(sample.columns, self.limits)
         if "poa_global" in self.tested:
             clipped = self.negative_by_day()
+        self.lone_zeros()
         for kind in ("out of range", "spike"):
             for name, one in self.ruled():
                 self.note(kind, name, *one.rows_of(kind))
@@ -139,6 +142,21 @@ class Screener:
         if "poa_global" in self.tested and "poa_global" not in self.doubts:
             self.light_by_night()
         return clipped
+
+    def lone_zeros(self) -> None:
+        """Take zeros out that stand for no value: those around do not lead to them."""
+        sample, step, again = self.sampled(), self.look.step, False
+        for name, one in self.ruled():
+            rows, times, *_ = one.zeros_within(step)
+            if not len(rows) or is_switch(sample[name], self.limits):
+                continue
+            if name != "poa_global":
+                found = one.improbable(self.clean, sample[name], step)
+                rows, times = rows[found], times[found]
+            self.note("lone zero", name, rows, times, np.zeros(len(rows)))
+            again |= len(rows) > 0
+        if again:  # between two of them a value looks like a spike
+            self.look_again()
 
     def sampled(self) -> Inputs:
         """Some rows of the record, as it is screened so far."""

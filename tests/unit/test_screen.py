@@ -275,6 +275,82 @@ def test_measured_records_keep_all_rows(week, day):
     assert fem.screen_record(day).counts.empty
 
 
+# zeros that stand for no value
+
+
+def site_record(step, start="2023-06-01", days=30, **options):
+    """What a logger stores with one digit, with nights of exactly 0 W/m²."""
+    data = simulator.record(effects=PHYSICS, days=days, step=step, start=start)
+    data.attrs = {}
+    return data[list(COLUMNS)].round(1) + 0.0
+
+
+@pytest.mark.parametrize("column", ["poa_global", "temp_air", "temp_module"])
+@pytest.mark.parametrize("step", [60.0, 300.0, 900.0, 3600.0])
+@pytest.mark.parametrize("share", [None, 0.01, 0.03])
+def test_a_zero_to_which_nothing_leads_is_no_value(column, step, share):
+    """One of the brightest or warmest hour alone, and some at any time."""
+    data = site_record(step, days=5 if step == 60.0 else 30)
+    chance = np.random.default_rng(1).random(len(data))
+    best = int(data[column].argmax())
+    rows = np.array([best]) if share is None else np.flatnonzero(chance < share)
+    before = data[column].to_numpy()
+    found = fem.screen_record(with_values(data, column, rows, 0.0))
+    ((name, kind, many),) = kinds(found)
+    assert (name, kind) == (column, "lone zero")
+    mask = found.masks[kind][column].to_numpy()
+    assert set(np.flatnonzero(mask)) <= set(rows) and mask.sum() == many
+    light = column == "poa_global"
+    far = rows[before[rows] > (250.0 if light else 5.0)]
+    # those that follow each other too often, or have a dim row next to them, stay
+    assert mask[far].mean() > (0.8 if light else 0.97)
+    assert f"{column} is exactly 0 between values that do not lead" in found.notes[0]
+
+
+def test_a_fit_uses_no_such_zero():
+    data = site_record(600.0)
+    rows = np.flatnonzero(np.random.default_rng(1).random(len(data)) < 0.02)
+    rows = rows[(data["temp_module"].to_numpy()[rows] > 5.0)]
+    spoilt = with_values(data, "temp_module", rows, 0.0)
+    found, empty = fit(spoilt), fit(with_values(data, "temp_module", rows, np.nan))
+    assert found.coefficients == empty.coefficients
+    assert any(f"lead to it, in {len(rows):,} rows" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("step", [60.0, 300.0, 900.0, 3600.0])
+@pytest.mark.parametrize("places", [1, 0])
+@pytest.mark.parametrize("start", ["2023-01-05", "2023-03-20"])
+def test_what_is_measured_at_zero_stays(step, places, start):
+    """Nights, and temperatures around 0 °C, however coarse they are stored."""
+    data = site_record(step, start, days=5 if step == 60.0 else 60)
+    near = 0
+    for warmer in np.arange(-6.0, 6.5, 1.5):
+        parts = {n: data[n] + warmer for n in ("temp_air", "temp_module")}
+        shifted = data.assign(**parts).round(places) + 0.0
+        near += (shifted[list(parts)] == 0).sum().sum()
+        assert (shifted["poa_global"] == 0).mean() > 0.3
+        assert fem.screen_record(shifted).counts.empty
+    assert near > 50
+
+
+def test_a_zero_that_values_lead_to_stays():
+    data = site_record(300.0)
+    noon = int(data["poa_global"].argmax())
+    # four rows, a calm, light that is dim on one side, rows by the hour in between
+    assert not kinds(fem.screen_record(with_values(data, "wind_speed", [noon], 0.0)))
+    for column in ("poa_global", "temp_module"):
+        rows = list(range(noon, noon + 4))
+        assert not kinds(fem.screen_record(with_values(data, column, rows, 0.0)))
+        assert kinds(fem.screen_record(with_values(data, column, rows[:3], 0.0)))
+        gap = with_values(data, column, [noon], 0.0)
+        gap = gap.drop(gap.index[noon + 1 : noon + 4])
+        assert not kinds(fem.screen_record(gap))
+    dim = with_values(data, "poa_global", [noon + 1], 90.0)
+    assert not kinds(fem.screen_record(with_values(dim, "poa_global", [noon], 0.0)))
+    lamp = data.assign(poa_global=np.where(np.arange(len(data)) % 2, 0.0, 800.0))
+    assert "lone zero" not in {*fem.screen_record(lamp).counts["kind"]}
+
+
 # sensors that are stuck
 
 
@@ -474,7 +550,7 @@ def test_the_frame_keeps_its_form(record):
     assert found.cleaned.index.equals(data.index)
     assert set(found.masks) == {
         *("fill value", "out of range", "negative by day", "light by night", "spike"),
-        *("end of range", "stuck"),
+        *("lone zero", "end of range", "stuck"),
     }
     with pytest.raises(ValueError, match="temp_air is there twice"):
         fem.screen_record(pd.concat([data, data[["temp_air"]]], axis=1))
