@@ -69,12 +69,8 @@ class Scan:
         """
         Products of a column with the remaining error and others, before each day.
 
-        Parameters
-        ----------
-        place : int
-            Of the column.
-        low, high : float
-            Signs of the least and the largest size that it can have.
+        Of ``low`` and ``high``, the least and the largest size that it can have, the
+        signs count.
         """
         rows = self.design.by_day(place, self.given) * self.trust[:, None]
         scores = rows[:, 0] - rows[:, 1:] @ self.solved
@@ -87,21 +83,11 @@ class Scan:
         self, place: int, low: float, high: float
     ) -> Iterator[tuple[str, dict[str, str]]]:
         """
-        Dates of the best step, temporary change and trends of a column.
+        Time profile and dates of a column's best step, temporary change and trends.
 
-        Parameters
-        ----------
-        place : int
-            Of the column.
-        low, high : float
-            Signs of the least and the largest size that it can have.
-
-        Yields
-        ------
-        time_profile : str
-        dates : dict of str
-            By name. There is always a trend of the whole record, and before it one of
-            a part of it, if that explains more than its dates cost.
+        There is always a trend of the whole record, and before it one of a part of it,
+        if that explains more than its dates cost. ``low`` and ``high`` as in
+        :meth:`sums`.
         """
         days, dates, side = len(self.design.dates), self.design.dates, self.side
         sums, last = self.sums(place, low, high), np.array([days])
@@ -154,19 +140,9 @@ class Scan:
 
         A trend of half a record is much like one of all of it with half the slope. Each
         has the probability of its likelihood; trends of the whole record, and of a part
-        of it, are as probable before. Between these sizes are 90 %.
-
-        Parameters
-        ----------
-        change : Changed
-            With its dates.
-        errors : float
-            Standard errors by which its size differs from nothing.
-
-        Returns
-        -------
-        tuple of float
-            1 and 1 for other changes, and for a trend between two dates or with resets.
+        of it, are as probable before. Between these sizes are 90 %. By ``errors``
+        standard errors its own size differs from nothing. Other changes, and a trend
+        between two dates or with resets, have 1 and 1.
         """
         days = len(self.design.dates)
         first, last = places_in(self.design.dates, change.effect)

@@ -59,24 +59,14 @@ def simplest(spans: Sequence[Span], days: int) -> Span:
 
 @dataclass(frozen=True, eq=False)
 class ChangeSums:
-    """
-    Sums of daily products of a column, of which changes between any days take parts.
+    """Sums of daily products of a column, of which each change takes a part."""
 
-    Attributes
-    ----------
-    table : array, shape (days, columns + 2)
-        Products with the remaining error, with itself, and with the given columns, of
-        which each is independent of the others.
-    years : array, shape (days,)
-        Begin of each day since the first one.
-    low, high : float
-        Signs of the least and the largest size that the change can have.
-    """
-
+    #: products with the remaining error, with itself, and with the given columns, of
+    #: which each is independent of the others, shape (days, columns + 2)
     table: np.ndarray
-    years: np.ndarray
-    low: float
-    high: float
+    years: np.ndarray  # begin of each day since the first one
+    low: float  # sign of the least size that the change can have
+    high: float  # and of the largest
 
     @cached_property
     def sums(self) -> np.ndarray:
@@ -115,13 +105,8 @@ class ChangeSums:
         """
         The best trend of the whole record that begins again from 0 at some dates.
 
-        Dates are added one by one, each where it explains most. Of these trends, the
-        simplest is taken.
-
-        Parameters
-        ----------
-        side : int
-            Least number of days between two dates.
+        Dates are added one by one, each where it explains most, at least ``side`` days
+        apart. Of these trends, the simplest is taken.
         """
         days = len(self.table)
         grid = np.unique(np.linspace(0, days, min(GRID, days)).astype(int))
@@ -205,16 +190,7 @@ class ChangeSums:
         first: np.ndarray,
         last: np.ndarray,
     ) -> Span:
-        """
-        The best of some changes.
-
-        Parameters
-        ----------
-        falls : callable
-            :meth:`constant` or :meth:`linear`.
-        first, last : array of int
-            Of each change, or one for all.
-        """
+        """The best of some changes by :meth:`constant` or :meth:`linear`."""
         each = falls(first, last)
         at = int(np.argmax(each))
         begin, end = (days[at if len(days) > 1 else 0] for days in (first, last))
@@ -229,14 +205,8 @@ class ChangeSums:
         """
         The best change that begins and ends within the record, or None.
 
-        Parameters
-        ----------
-        falls : callable
-            :meth:`constant` or :meth:`linear`.
-        side : int
-            Least number of days of it, and before and after it.
-        many : int
-            Dates that are tried first.
+        It, and what is before and after it, has ``side`` days at least. ``many`` dates
+        are tried first.
         """
         days = len(self.table)
         grid = np.unique(np.linspace(0, days, min(many, days)).astype(int))

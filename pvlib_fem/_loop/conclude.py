@@ -181,30 +181,9 @@ def range_of(
     """
     A range of a coefficient that holds 90 %, within its bounds.
 
-    Parameters
-    ----------
-    key : str
-        Name of the coefficient.
-    value, error : float
-        With its standard error, in its unit.
-    choice : Choice
-        In which its effect was found.
-    name : str
-        Of the effect.
-    criteria : Criteria
-        Relative errors of laws.
-
-    Returns
-    -------
-    tuple of float
-        With the errors of the fit and of the law, and the difference from generalised
-        least squares: of a model that is right, two estimates agree [1]_. The size of a
-        trend is also averaged over its dates.
-
-    References
-    ----------
-    .. [1] J. A. Hausman, "Specification tests in econometrics", Econometrica 46,
-       1251-1271, 1978. :doi:`10.2307/1913827`
+    It has the errors of the fit and of the law, and the difference from generalised
+    least squares: of a model that is right, two estimates agree (Hausman, 1978,
+    :doi:`10.2307/1913827`). The size of a trend is also averaged over its dates.
     """
     effect, score = choice.members[name].effect, choice.scores[name]
     law = relative_error(effect, criteria)
@@ -220,15 +199,7 @@ def range_around(
     """
     A range around a value, within the bounds of a coefficient.
 
-    Parameters
-    ----------
-    value : float
-    halves : iterable of float
-        Independent half-widths.
-    row : Parameter
-        With the bounds.
-    ends : iterable of float
-        Other values that it may have.
+    ``halves`` are independent half-widths, ``ends`` other values that it may have.
     """
     ends = [value, *ends]
     below, above = value - min(ends), max(ends) - value

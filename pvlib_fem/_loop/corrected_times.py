@@ -14,31 +14,17 @@ from pvlib_fem.quality._module_lag import Clock
 
 @dataclass(frozen=True)
 class Times:
-    """
-    Clocks of a record and their corrections.
+    """Clocks of a record and their corrections."""
 
-    Attributes
-    ----------
-    zone : str
-        Time zone of the file; "" without one.
-    first, last : str
-        First and last time of the file, by its own clock.
-    offsets : tuple of (str, float)
-        Seconds to add, each from a time of the file on.
-    lost : tuple of (str, str)
-        First and last time of each run of rows whose time is unknown.
-    origin : str
-        First corrected time.
-    module : Clock
-        Clock of the module's logger, where it was corrected.
-    """
-
-    zone: str
-    first: str
+    zone: str  # of the file; "" without one
+    first: str  # time of the file, by its own clock
     last: str
+    #: seconds to add, each from a time of the file on
     offsets: tuple[tuple[str, float], ...] = ()
+    #: first and last time of each run of rows whose time is unknown
     lost: tuple[tuple[str, str], ...] = ()
-    origin: str = ""
+    origin: str = ""  # first corrected time
+    #: clock of the module's logger, where it was corrected
     module: Clock = field(default_factory=Clock)
 
     @classmethod
@@ -50,18 +36,10 @@ class Times:
         clock: Clock,
     ) -> Self:
         """
-        Compare the times of a file with the corrected ones.
+        Compare the times of a file with the corrected ones of the rows that are kept.
 
-        Parameters
-        ----------
-        index : DatetimeIndex
-            Times of the file.
-        kept : array of bool
-            Rows of the file whose time is known.
-        corrected : DatetimeIndex
-            Corrected times of these rows.
-        clock : Clock
-            Clock of the module's logger, as it was corrected.
+        Of these the time is known. The clock of the module's logger was corrected by
+        ``clock``.
         """
         own = wall_time(index)
         offsets: tuple[tuple[str, float], ...] = ()
@@ -80,15 +58,8 @@ class Times:
         """
         Some times in the zone of the record, whose days and hours are meant.
 
-        Parameters
-        ----------
-        index : Index
-
-        Returns
-        -------
-        Index
-            The same instants; unchanged if one has no zone, or that of the record has
-            a name that pandas does not know.
+        They are unchanged if one has no zone, or that of the record has a name that
+        pandas does not know.
         """
         if not isinstance(index, pd.DatetimeIndex) or index.tz is None:
             return index
@@ -108,23 +79,10 @@ class Times:
 
     def corrected(self, index: pd.Index) -> tuple[pd.Index, np.ndarray]:
         """
-        Correct the times of the record, and say which times are known.
+        Correct the times within the record, and say in which rows the time is known.
 
-        Parameters
-        ----------
-        index : Index
-            Times of data.
-
-        Returns
-        -------
-        index : Index
-            Corrected where they lie within the record.
-        known : array of bool, shape (rows,)
-
-        Raises
-        ------
-        ValueError
-            If the record's clock was corrected and the index has no times.
+        It is a ValueError if the record's clock was corrected and the index has no
+        times.
         """
         known = np.ones(len(index), dtype=bool)
         if not self.zone and (self.offsets or self.module.fault) and zone_of(index):
@@ -147,16 +105,7 @@ class Times:
         return times + pd.to_timedelta(added, unit="s"), known
 
     def of_module(self, index: pd.Index, values: np.ndarray | pd.Series) -> np.ndarray:
-        """
-        Interpolate the module's readings to the clock of the irradiance.
-
-        Parameters
-        ----------
-        index : Index
-            Corrected times.
-        values : array, shape (rows,)
-            Of a column that the module's logger wrote.
-        """
+        """The module's readings at corrected times, by the clock of the irradiance."""
         times = wall_time(datetimes(index)) - pd.Timestamp(self.origin)
         seconds = times.total_seconds().to_numpy()
         return self.module.corrected(seconds, np.asarray(values))

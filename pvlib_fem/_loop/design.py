@@ -41,19 +41,10 @@ APART = 7  # days by which an effect is shifted at least to see what chance does
 
 @dataclass(frozen=True, eq=False)
 class Hours:
-    """
-    Cells of an hour.
+    """Cells of an hour."""
 
-    Attributes
-    ----------
-    first : array of int
-        First of the rows of each cell.
-    count : array
-        Number of rows of each cell.
-    """
-
-    first: np.ndarray
-    count: np.ndarray
+    first: np.ndarray  # of the rows of each cell
+    count: np.ndarray  # of these rows
 
     @classmethod
     def from_record(cls, record: Record, rows: np.ndarray) -> Self:
@@ -102,48 +93,24 @@ def place_of(column: Column) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """
-    Columns in cells of an hour; the first is the residual.
+    """Columns in cells of an hour; the first is the residual."""
 
-    Attributes
-    ----------
-    names : tuple of str
-        Of the columns.
-    cells : array, shape (cells, columns)
-        Means of each column over the rows of each cell, tangents scaled to a mean
-        square of 1. A column is contiguous in memory. [K]
-    scale : array, shape (columns,)
-        What each column was divided by.
-    rows : array, shape (cells,)
-        Number of rows in each cell.
-    days : array of int, shape (cells,)
-        Day of each cell, from 1970-01-01.
-    base : tuple of int
-        Columns of the fitted coefficients and of errors of the steady model's shape.
-    own : dict of tuple of int
-        Columns of each effect that has no date.
-    effects : dict of Effect
-    sensor_faults : dict of int
-        Column of each sensor fault along which instruments change.
-    changing : tuple of Effect
-        Changes whose dates are to be found.
-    places : dict of array
-        Mean of each driver in each cell, and the clock and calendar of the cells.
-    derived : dict of array
-        Mean in each cell of what effects derive from measured columns of their own.
-    """
-
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # of the columns
+    #: means over the rows of each cell, tangents scaled to a mean square of 1, shape
+    #: (cells, columns); a column is contiguous in memory [K]
     cells: np.ndarray = field(repr=False)
-    scale: np.ndarray = field(repr=False)
-    rows: np.ndarray = field(repr=False)
-    days: np.ndarray = field(repr=False)
+    scale: np.ndarray = field(repr=False)  # what each column was divided by
+    rows: np.ndarray = field(repr=False)  # number of rows in each cell
+    days: np.ndarray = field(repr=False)  # day of each cell, from 1970-01-01
+    #: columns of the fitted coefficients and of errors of the steady model's shape
     base: tuple[int, ...]
-    own: dict[str, tuple[int, ...]]
+    own: dict[str, tuple[int, ...]]  # columns of each effect that has no date
     effects: dict[str, Effect]
-    sensor_faults: dict[str, int]
-    changing: tuple[Effect, ...]
+    sensor_faults: dict[str, int]  # column along which each changes instruments
+    changing: tuple[Effect, ...]  # changes whose dates are to be found
+    #: mean of each driver in each cell, and the clock and calendar of the cells
     places: dict[str, np.ndarray] = field(repr=False)
+    #: mean in each cell of what effects derive from measured columns of their own
     derived: dict[str, np.ndarray] = field(default_factory=dict, repr=False)
     noise: tuple[Table, ...] = ()  # random effects by which the cells are whitened
     #: whether each day is a draw of the weather, and not a week
@@ -161,17 +128,9 @@ class Design:
         """
         The design of the evidence of a fitted model.
 
-        Parameters
-        ----------
-        evidence : Evidence
-            Row by row.
-        record : Record
-            Of which ``evidence.rows`` are rows.
-        lifted : sequence of (Effect, dict)
-            Effects of the fitted model, with their coefficients, which the selection
-            may add or not: what they explain is added to the residual.
-        drivers : sequence of str
-            Measured columns beyond the usual ones.
+        The selection may add the ``lifted`` effects of that model or not: what they
+        explain with their coefficients is added to the residual. ``drivers`` are
+        measured columns beyond the usual ones.
         """
         hours = Hours.from_record(record, evidence.rows)
         first, rows, means = hours.first, hours.count, hours.means
@@ -244,21 +203,7 @@ class Design:
         dates: np.ndarray,
         changing: Collection[Effect],
     ) -> Self:
-        """
-        A design of some columns, and of one along which something changes.
-
-        Parameters
-        ----------
-        residual : array, shape (rows,)
-        columns : dict of array, shape (rows,)
-            Without changes.
-        sensor_fault : array, shape (rows,)
-            The column that a change scales.
-        dates : array of int, shape (rows,)
-            In order, from 1970-01-01.
-        changing : sequence of Effect
-            Changes whose dates are to be found.
-        """
+        """A design of columns by row, and of one along which something changes."""
         first = np.flatnonzero(np.diff(dates, prepend=dates[:1] - 1))
         days = np.repeat(np.arange(len(first)), np.diff(first, append=len(dates)))
         values = np.array([residual, *columns.values(), sensor_fault]).T
@@ -295,18 +240,7 @@ class Design:
         return {}
 
     def daily(self, place: int) -> np.ndarray:
-        """
-        Daily sums of products of a column with every column.
-
-        Parameters
-        ----------
-        place : int
-            Of the column.
-
-        Returns
-        -------
-        array, shape (days, columns)
-        """
+        """Daily sums of products of a column with all, shape (days, columns)."""
         if place not in self.daily_sums:
             self.daily_sums[place] = self.by_days(self.cells[:, place])
         return self.daily_sums[place]
@@ -366,10 +300,6 @@ class Design:
         Share of the days on which some columns act.
 
         It is the effective number of days, by their squares: 1 if all are alike.
-
-        Parameters
-        ----------
-        columns : sequence of int or Changed
         """
         places = [place_of(column) for column in columns]
         cells = np.square(self.cells[:, places]).sum(axis=1) * self.rows
@@ -394,12 +324,9 @@ class Design:
 
     def parts(self, change: Changed) -> tuple[np.ndarray, np.ndarray]:
         """
-        Weights of a change, and its weekly products with every column.
+        Weights of a change, shape (days,), and its weekly products with every column.
 
-        Returns
-        -------
-        weights : array, shape (days,)
-        products : array, shape (weeks, columns)
+        The products have the shape (weeks, columns).
         """
         if change not in self.made:
             weights = self.weights(change)
@@ -443,14 +370,7 @@ class Design:
         return column
 
     def adding(self, residual: np.ndarray) -> "Design":
-        """
-        The design with something added to its residual.
-
-        Parameters
-        ----------
-        residual : array, shape (cells,)
-            Summand of each cell. [K]
-        """
+        """The design with something added to the residual of each cell. [K]"""
         cells = self.cells.copy(order="F")
         cells[:, 0] += residual
         return replace(self, cells=cells)
@@ -459,28 +379,12 @@ class Design:
         """
         Weekly products of the residual and some columns, changes among them.
 
-        Parameters
-        ----------
-        columns : sequence of int or Changed
-
-        Returns
-        -------
-        array, shape (weeks, len(columns) + 1, len(columns) + 1)
+        Their shape is (weeks, len(columns) + 1, len(columns) + 1).
         """
         return self.products(columns, self.weekly)
 
     def whole(self, columns: Sequence[Column]) -> np.ndarray:
-        """
-        Products of the residual and some columns over all weeks.
-
-        Parameters
-        ----------
-        columns : sequence of int or Changed
-
-        Returns
-        -------
-        array, shape (len(columns) + 1, len(columns) + 1)
-        """
+        """Products as those of :meth:`by_week`, over all weeks."""
         return self.products(columns, self.total)
 
     def products(self, columns: Sequence[Column], known: np.ndarray) -> np.ndarray:
@@ -504,18 +408,7 @@ class Design:
         return table
 
     def row(self, change: Changed, columns: Sequence[Column]) -> np.ndarray:
-        """
-        Products of a change with the residual, some columns, and itself, of all weeks.
-
-        Parameters
-        ----------
-        change : Changed
-        columns : sequence of int or Changed
-
-        Returns
-        -------
-        array, shape (len(columns) + 2,)
-        """
+        """Products of a change with the residual, columns and itself, of all weeks."""
         places = [0, *map(place_of, columns)]
         row = self.parts(change)[1].sum(axis=0)[places]
         for i, other in enumerate(columns):
@@ -536,15 +429,7 @@ class Design:
         """
         Daily products of one column with the residual and some others.
 
-        Parameters
-        ----------
-        place : int
-            Of the one.
-        columns : sequence of int or Changed
-
-        Returns
-        -------
-        array, shape (days, len(columns) + 1)
+        Their shape is (days, len(columns) + 1).
         """
         table = np.empty((len(self.dates), len(columns) + 1))
         daily = self.daily(place)
@@ -593,20 +478,9 @@ class Design:
         """
         Covariance that an estimate would have by accident, and its freedom.
 
-        The residual is compared with the effect as it was on other days: each shift
-        by a week or more is a draw in which the effect explains nothing.
-
-        Parameters
-        ----------
-        given, own : sequence of int or Changed
-            Columns of the base and of other choices, and those of the effect.
-        fit : LeastSquares
-            Of all of them, those of the effect last.
-
-        Returns
-        -------
-        covariance : array, shape (len(own), len(own))
-        freedom : float
+        The residual is compared with the effect as it was on other days: each shift by
+        a week or more is a draw in which the effect explains nothing. The fit is of the
+        ``given`` columns and then the effect's ``own``.
         """
         size, root = len(own), np.sqrt(self.rows)
         table = np.array([self.values(c) for c in given]).T

@@ -169,17 +169,10 @@ def is_one_piece(
     Whether a column follows the modelled temperature and the residual as one sum.
 
     Noise of the module's sensor may be in the residual, and noise of its own in the
-    column.
-
-    Parameters
-    ----------
-    column : array, shape (rows,)
-    usual, whole, model : array, shape (rows, functions)
-        Functions of the usual inputs, of the temperature and of the model's part.
-    dates : array of int, shape (rows,)
-    most : float
-        Share of what the remaining error describes of the column, that the sum with
-        more of the residual may describe beyond the sum.
+    column. ``usual``, ``whole`` and ``model`` are functions of the usual inputs, of the
+    temperature and of the model's part, shape (rows, functions). ``most`` is the share
+    of what the remaining error describes of the column, that the sum with more of the
+    residual may describe beyond the sum.
     """
     if len(np.unique(dates)) < FEWEST_DAYS or not np.std(column) > 0:
         return False

@@ -264,10 +264,7 @@ class WithinCells:
         """
         Means in the cells of a table, and residual and given columns less theirs.
 
-        Parameters
-        ----------
-        kind : tuple of Axis
-            Without an axis, the groups are weeks.
+        Without an axis, the groups are weeks.
         """
         if kind not in self.known:
             design = self.design
@@ -283,16 +280,6 @@ class WithinCells:
 
         A change counts as far as its weight differs within a group. Variation of the
         sensor's column within a group is no evidence of a change.
-
-        Parameters
-        ----------
-        own : sequence of int or Changed
-            Columns of the effect.
-        kind : tuple of Axis
-
-        Returns
-        -------
-        array, shape (weeks, columns, columns)
         """
         design, (mean, given) = self.design, self.parts(kind)
         columns = []

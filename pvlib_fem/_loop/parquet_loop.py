@@ -113,23 +113,9 @@ class OwnSteps:
         """
         The first of some findings that a fit to the own steps contradicts, or None.
 
-        Parameters
-        ----------
-        case : Case
-            Of the means.
-        step : Step
-            The last one of the means.
-        inputs : Inputs
-            The means with all drivers of its model.
-        corrected : bool
-            Whether a clock was.
-        falls : sequence of tuple
-            Each finding that is in its model, and by how much the mean square of the
-            means fell by it. [K²]
-
-        Returns
-        -------
-        tuple of Finding, Check, Because, or None
+        The case, the last step and ``inputs``, which have all drivers of its model, are
+        of the means. ``falls`` has each finding that is in that model, and by how much
+        the mean square of the means fell by it. [K²]
         """
         self.fit, self.why = None, why_impossible(step.model, corrected)
         if self.why or self.screened.look.step == case.whole.inputs.step:
@@ -261,17 +247,7 @@ def own_checks(
     """
     Checks of a finding by a fit to the own steps, each with why it fails.
 
-    Parameters
-    ----------
-    finding : Finding
-    fall_on_means : float
-        Reduction of the mean square on the means by the finding. [K²]
-    fit : FileFit
-        Of the last model to the own steps.
-
-    Yields
-    ------
-    Check, Because
+    On the means the finding reduces the mean square by ``fall_on_means``. [K²]
     """
     yield check_of_bounds(finding.coefficients, fit)
     # without an error, or held, there is no doubt

@@ -19,24 +19,15 @@ from pvlib_fem.drivers import derive_drivers, underived
 
 @dataclass(frozen=True, eq=False)
 class Pattern:
-    """
-    A repeatable error without a known cause.
+    """A repeatable error without a known cause."""
 
-    Attributes
-    ----------
-    axes : tuple of Axis
-        Bins of one or two drivers: the clock, the calendar, columns, and past means of
-        irradiance and air minus the present.
-    means : tuple of float
-        Mean error in each cell, shrunk by its uncertainty. The last axis varies
-        fastest. [K]
-    zone : str
-        Time zone of hours and months; "" for times without one.
-    """
-
+    #: bins of one or two drivers: the clock, the calendar, columns, and past means of
+    #: irradiance and air minus the present
     axes: tuple[Axis, ...]
+    #: mean error in each cell, shrunk by its uncertainty; the last axis varies fastest
+    #: [K]
     means: tuple[float, ...] = field(repr=False)
-    zone: str = ""
+    zone: str = ""  # of hours and months; "" for times without one
 
     def __post_init__(self) -> None:  # what a file may have wrong
         cells = int(np.prod([len(axis.labels) for axis in self.axes]))
@@ -70,14 +61,7 @@ class Pattern:
         return [axis.column for axis in self.axes if axis.column]
 
     def at(self, inputs: Inputs) -> np.ndarray:
-        """
-        Error at some times; 0 where a driver is missing. [K]
-
-        Parameters
-        ----------
-        inputs : Inputs
-            With its drivers.
-        """
+        """Error at some times; 0 where a driver is missing. [K]"""
         calendar = calendar_of(self.local(inputs.index))
         cells = [
             axis.numbers(inputs[axis.column] if axis.column else calendar[axis.name])

@@ -386,22 +386,9 @@ def detached_rows(
     Times in which the module's sensor is off, and the rows that are not used.
 
     As of a stuck sensor, the temperatures of the test rows say it of test rows alone:
-    which fitting rows are used does not depend on them.
-
-    Parameters
-    ----------
-    hidden, whole : Record
-        Screened, without and with the module temperature of the test rows.
-    test, still : array of bool, shape (rows,)
-        Test rows, and those of stuck sensors.
-    health : Health
-        Of the hidden record.
-
-    Returns
-    -------
-    tuple of Detachment
-        By all rows; those that the fitting rows alone show, too.
-    array of bool, shape (rows,)
+    which fitting rows are used does not depend on them. So the hidden record has no
+    module temperature of the test rows. The times are by all rows, and those that the
+    fitting rows alone show, too.
     """
     off = np.zeros(len(test), dtype=bool)
     found: dict[bool, list[tuple[Detachment, int, int]]] = {}
@@ -473,19 +460,7 @@ def in_standard_time(
     look_at: Callable[[pd.DataFrame, pd.Series | None], Look],
     limits: Limits,
 ) -> tuple[Look, tuple[Correction, ...]]:
-    """
-    The look again where a file's clock jumps, and what was made of that.
-
-    Parameters
-    ----------
-    data : DataFrame
-    holdout : Series of bool, optional
-    look : Look
-        Of both.
-    look_at : callable
-        From both, by one clock, to another look.
-    limits : Limits
-    """
+    """The look again where a file's clock jumps, and what was made of that."""
     faults, site = look.health.faults, look.site
     jumps = [faults[name] for name in ("file_dst", "file_jump") if name in faults]
     if not jumps or site["location"] is None:
@@ -574,28 +549,8 @@ def with_answer(
     The record with the module temperature of the test rows, and the stuck ones.
 
     No other rule uses these temperatures; a stuck sensor that they show is masked on
-    the test rows alone. Reported counts are of both.
-
-    Parameters
-    ----------
-    hidden : Record
-        Screened, without the module temperature of the test rows.
-    faults : Faults
-        Of that screening.
-    health : Health
-        Of that record.
-    usual : Record
-        The usual columns as they came.
-    test : array of bool, shape (rows,)
-    limits : Limits
-
-    Returns
-    -------
-    whole : Record
-    still : array of bool, shape (rows,)
-        Test rows of stuck sensors.
-    faults : Faults
-    health : Health
+    the test rows alone. ``faults`` and ``health`` are of the hidden record, ``usual``
+    has its columns as they came. Reported counts are of all rows.
     """
     name = "temp_module"
     own = hidden.only(COLUMNS).having({name: usual[name]})

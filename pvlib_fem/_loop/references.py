@@ -59,19 +59,7 @@ class DailyDeviation:
         """
         The change along a time profile given others, its error, and the residual.
 
-        Parameters
-        ----------
-        weights : array, shape (days,)
-            The time profile.
-        values : array, shape (days,), optional
-            By default the deviation.
-        others : sequence of array, shape (days,)
-            Further time profiles.
-
-        Returns
-        -------
-        size, error : float
-        residual : array, shape (days,)
+        It is that of the deviation, or of other daily ``values``.
         """
         values = self.apart if values is None else values
         columns = [*self.usual, *others, weights]
@@ -137,21 +125,8 @@ class DailyDeviation:
         """
         Its deviation along the profile of an effect, and what members would make it.
 
-        Parameters
-        ----------
-        choice : Choice
-        first : Effect
-            With the time profile.
-        names : sequence of str
-            Of members of the choice.
-        coefficients : dict
-            Of the fitted model.
-
-        Returns
-        -------
-        tuple or None
-            The deviation, its error, by name what each member would make it, and by how
-            much it ages by itself; None where it shows nothing.
+        These are the deviation, its error, by name what each of some members would make
+        it, and by how much it ages by itself; None where it shows nothing.
         """
         weights = weights_of(first, self.days)
         if not names or not np.ptp(weights) > 0:
@@ -180,20 +155,7 @@ class DailyDeviation:
         along: np.ndarray,
         coefficients: Mapping[str, float],
     ) -> float:
-        """
-        The deviation that a change would make along a time profile.
-
-        Parameters
-        ----------
-        effect : Effect
-            The change.
-        size : float
-            Its coefficient.
-        along : array, shape (days,)
-            The time profile.
-        coefficients : dict
-            Of the fitted model.
-        """
+        """The deviation that a change of a size would make along a time profile."""
         shows = self.comparison.shows.get(kind(effect))
         if shows is None:
             return 0.0

@@ -70,10 +70,7 @@ class Fits:
         """
         Fits without any effect, by name.
 
-        Raises
-        ------
-        ValueError
-            If there are no more fitting rows than coefficients.
+        It is a ValueError if there are no more fitting rows than coefficients.
         """
         case = self.case
         step: Step | None = None
@@ -118,19 +115,8 @@ class Fits:
         One step: least squares over the fitting rows, the coarse ones first.
 
         What short steps change of a coarse minimum is nearly the same in the step
-        ``before``: it is where their fit begins, and without ``whole`` it is taken
-        as it is.
-
-        Parameters
-        ----------
-        model : ThermalModel
-        before : Step, optional
-        start : dict
-            Coefficients that are tried first, where they give a temperature.
-        biased : bool, default True
-            Whether the bias is fitted.
-        whole : bool, default True
-            Whether the record's own steps are fitted.
+        ``before``: it is where their fit begins, and without ``whole`` it is taken as
+        it is. Coefficients of ``start`` are tried first, where they give a temperature.
         """
         case = self.case
         table = {name: row.start for name, row in model.parameters.items()}

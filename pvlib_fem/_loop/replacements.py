@@ -19,21 +19,13 @@ LEVEL: dict[str, Any] = {"surface_tilt": 0.0, "surface_azimuth": 180.0, "mount":
 
 @dataclass(frozen=True)
 class Replacements:
-    """
-    Replacements that a user wants for columns that are missing from a record.
+    """Replacements that a user wants for columns that are missing from a record."""
 
-    Attributes
-    ----------
-    transposition : str
-        Model of the sky by which ``poa_global`` is made of ``ghi``; "" without.
-    stand_ins : tuple of str
-        Second sources of air and wind that fill the first.
-    calm : bool
-        Whether wind that never moves is taken as not measured, which no model needs.
-    """
-
+    #: model of the sky by which ``poa_global`` is made of ``ghi``; "" without
     transposition: str = ""
+    #: second sources of air and wind that fill the first
     stand_ins: tuple[str, ...] = ()
+    #: whether wind that never moves is taken as not measured, which no model needs
     calm: bool = False
 
     @classmethod
@@ -58,16 +50,8 @@ class Replacements:
         """
         The columns of a frame with the replacements, and notes on these.
 
-        Parameters
-        ----------
-        data : DataFrame
-        needed : sequence of str
-            Columns without which it is refused.
-        site : dict
-            From :func:`pvlib_fem.drivers.checked_place`.
-        limits : Limits, optional
-        check_units, check_clock : bool
-            Refuse a unit or a clock that cannot be.
+        It is refused without the ``needed`` columns, and if checked with a unit or a
+        clock that cannot be.
         """
         columns, notes = with_aliases(data, ()), ()
         standing: tuple[StandIn, ...] = ()
@@ -94,16 +78,7 @@ class Replacements:
     def of_files(
         self, source: ParquetRecord, place: dict[str, Any], limits: Limits
     ) -> tuple[ParquetRecord, dict[str, Any]]:
-        """
-        Files with the replacements, and these as fields of a :class:`Loop`.
-
-        Parameters
-        ----------
-        source : ParquetRecord
-        place : dict
-            From :func:`pvlib_fem.drivers.checked_place`.
-        limits : Limits
-        """
+        """Files with the replacements, and these as fields of a :class:`Loop`."""
         transposed = bool(self.transposition) and "poa_global" not in source.columns
         if transposed:
             source = files_in_plane(source, place, self.transposition, limits)

@@ -267,20 +267,7 @@ class Selection:
     def kept_beside(
         self, choices: Sequence[Choice], reported: Sequence[Choice]
     ) -> list[Choice]:
-        """
-        Choices that still explain something given what is reported and all others.
-
-        Parameters
-        ----------
-        choices : sequence of Choice
-            Choices that are not reported yet.
-        reported : sequence of Choice
-            Choices whose best candidate is what is reported.
-
-        Returns
-        -------
-        list of Choice
-        """
+        """Choices that still explain something given those reported and all others."""
         kept = [*choices]
         for one in choices:
             others = [other for other in kept if other is not one]
@@ -313,17 +300,7 @@ class Selection:
         return choices
 
     def dated(self, choice: Choice, name: str, given: Sequence[Column]) -> Effect:
-        """
-        The effect of a member, with the days between which its date is.
-
-        Parameters
-        ----------
-        choice : Choice
-        name : str
-            Of the member.
-        given : sequence of int or Changed
-            Columns of the base and of the other choices.
-        """
+        """The effect of a member, with the days between which its date is."""
         one, score = choice.members[name], choice.scores[name]
         if not one.effect.sensor_fault:
             return one.effect
@@ -405,19 +382,7 @@ class Selection:
     def in_sample(
         self, candidates: Sequence[Candidate], given: Sequence[Column]
     ) -> np.ndarray:
-        """
-        Fall of the mean square on the weeks that are fitted, by each candidate. [K²]
-
-        Parameters
-        ----------
-        candidates : sequence of Candidate
-        given : sequence of int or Changed
-            Columns.
-
-        Returns
-        -------
-        array, shape (candidates,)
-        """
+        """Fall of the mean square on the fitted weeks, by each candidate. [K²]"""
         design, size, falls = self.design, len(given), np.zeros(len(candidates))
         plain = [i for i, one in enumerate(candidates) if not one.effect.sensor_fault]
         places = dict.fromkeys(c for i in plain for c in candidates[i].columns)
@@ -442,27 +407,13 @@ class Selection:
         return falls / design.count
 
     def alike(self, one: Candidate, other: Candidate, given: Sequence[Column]) -> float:
-        """
-        Share of the part of a candidate that another would explain as well.
-
-        Parameters
-        ----------
-        one, other : Candidate
-        given : sequence of int or Changed
-        """
+        """Share of the part of a candidate that another would explain as well."""
         own, rival = one.beyond(given), other.beyond(given)
         whole = self.design.whole([*given, *own, *rival])
         return float(explainable_share(whole, len(own), len(rival)))
 
     def score(self, one: Candidate, given: Sequence[Column]) -> Score:
-        """
-        What a candidate explains given some columns.
-
-        Parameters
-        ----------
-        one : Candidate
-        given : sequence of int or Changed
-        """
+        """What a candidate explains given some columns."""
         key = one.columns, frozenset(given)
         if key not in self.scores:
             self.scores[key] = self.scored(one, given)
@@ -545,24 +496,10 @@ class Selection:
         """
         Posterior among members of one single effect, averaged over draws of weeks.
 
-        Each explains some of what the best one explains. The difference is
-        compared with the error of the laws: an exact likelihood of so many rows
-        would be sure of a law that is not exact (Huggins and Miller, 2023).
-
-        Parameters
-        ----------
-        members : dict of Candidate
-        given : sequence of int or Changed
-            Columns of the base and of the other choices.
-        top : Candidate
-            The best of them.
-        sure : float
-            Standard errors by which its size differs from nothing.
-
-        Returns
-        -------
-        dict of float
-            By name; they sum to 1.
+        Each explains some of what the best one explains, which is ``sure`` by so many
+        standard errors. The difference is compared with the error of the laws: an exact
+        likelihood of so many rows would be sure of a law that is not exact (Huggins and
+        Miller, 2023).
         """
         design = self.design.fit_for(one.effect for one in members.values())
         if len(members) == 1:
@@ -636,17 +573,7 @@ def drawn_part(
     """
     Fall of the mean square by a candidate in draws of weeks, less noise.
 
-    Parameters
-    ----------
-    design : Design
-    one : Candidate
-    given : sequence of int or Changed
-    draws : array, shape (draws, weeks)
-        How often each week is drawn.
-
-    Returns
-    -------
-    array, shape (draws,)
+    ``draws`` says how often each week is drawn, shape (draws, weeks).
     """
     own = one.beyond(given)
     weekly = design.by_week([*given, *own])

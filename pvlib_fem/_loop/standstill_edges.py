@@ -82,14 +82,7 @@ def hidden_standstills(case: Case) -> Iterator[tuple[Any, Any]]:
     """
     Dates of standstills that power shows, and fewer than two fitting days.
 
-    Parameters
-    ----------
-    case : Case
-
-    Yields
-    ------
-    start, end : str
-        First day, and the first day after it.
+    They are the first day and the first day after it, as texts.
     """
     fitting = np.unique(case.record.dates[case.searched & bright(case.record)])
     for effect in case.wanted:
@@ -102,20 +95,10 @@ def hidden_standstills(case: Case) -> Iterator[tuple[Any, Any]]:
 
 def standstill_by_power(case: Case, effect: Effect) -> Effect | None:
     """
-    A standstill that a power shows.
+    A standstill that a power shows, or None.
 
     The light by power minus that on the sensor is searched as the remaining error of
     the temperature is: what a cover explains as well is no standstill.
-
-    Parameters
-    ----------
-    case : Case
-    effect : Effect
-        A standstill, to be searched in the planes of the record.
-
-    Returns
-    -------
-    Effect or None
     """
     record = case.record
     light = bright(record)
@@ -206,20 +189,8 @@ def daily_gains(
     """
     Twice the log-likelihood of each day, by power, that the modules stand on it.
 
-    Parameters
-    ----------
-    case : Case
-    effect : Effect
-        A standstill over all days that may be of it.
-    size : float
-        Its fitted coefficient.
-    within : tuple of int
-        First of these days, and the first day after them, from 1970-01-01.
-
-    Returns
-    -------
-    dict of float
-        By day, where there are rows.
+    The effect is a standstill of the fitted size over all days that may be of it. The
+    days ``within`` are these: the first, and the first day after them, from 1970-01-01.
     """
     record = case.record
     total: dict[int, float] = {}

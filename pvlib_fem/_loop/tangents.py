@@ -29,46 +29,26 @@ Scan = Callable[
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """
-    Tangents of a fitted model and of absent effects, and the remaining error.
+    """Tangents of a fitted model and of absent effects, and the remaining error."""
 
-    Attributes
-    ----------
-    columns : dict of array
-        A tangent of each coefficient, misfit and effect on ``rows``; NaN where the
-        driver of an effect is missing. [K per unit of the coefficient]
-    residual : array
-        Measured minus modelled on ``rows``. [K]
-    dates : array of int
-        Day of each of the rows, from 1970-01-01.
-    rows : array of int
-        Rows of the record that count.
-    base : tuple of str
-        The fitted coefficients.
-    misfits : tuple of str
-        Columns of errors of the steady model's shape: functions of the usual inputs,
-        which count for no effect.
-    own : dict of tuple of str
-        Columns of each effect.
-    effects : dict of Effect
-    failed : dict of Because
-        Effects that could not be tried.
-    known : dict of int
-        Of each effect, on how many of the rows its drivers are known.
-    changing : tuple of (Effect, str)
-        Changes whose dates are to be found, each with the column that it scales.
-    """
-
+    #: a tangent of each coefficient, misfit and effect on ``rows``; NaN where the
+    #: driver of an effect is missing [K per unit of the coefficient]
     columns: dict[str, np.ndarray] = field(repr=False)
-    residual: np.ndarray = field(repr=False)
-    dates: np.ndarray = field(repr=False)
-    rows: np.ndarray = field(repr=False)
-    base: tuple[str, ...]
+    residual: np.ndarray = field(repr=False)  # measured minus modelled on ``rows`` [K]
+    dates: np.ndarray = field(repr=False)  # day of each of the rows, from 1970-01-01
+    rows: np.ndarray = field(repr=False)  # of the record that count
+    base: tuple[str, ...]  # the fitted coefficients
+    #: columns of errors of the steady model's shape: functions of the usual inputs,
+    #: which count for no effect
     misfits: tuple[str, ...]
+    #: columns of each effect
     own: dict[str, tuple[str, ...]] = field(default_factory=dict)
     effects: dict[str, Effect] = field(default_factory=dict)
+    #: effects that could not be tried
     failed: dict[str, Because] = field(default_factory=dict)
+    #: of each effect, on how many of the rows its drivers are known
     known: dict[str, int] = field(default_factory=dict)
+    #: changes whose dates are to be found, each with the column that it scales
     changing: tuple[tuple[Effect, str], ...] = ()
 
     def with_effect(
@@ -220,25 +200,8 @@ def secant(
     """
     Effect of a change in the model on the temperature, per unit of its size. [K]
 
-    The tangent is too small for a large change: a third less loss warms by a half.
-
-    Parameters
-    ----------
-    model : ThermalModel
-        Without changes.
-    inputs : Inputs
-    effect : Effect
-        The change, with its dates.
-    coefficients : dict
-        Its own, and those of the model.
-    dates : array of int
-        Days of the rows that count, from 1970-01-01.
-    before : array, shape (rows,)
-        Temperature of the model. [°C]
-
-    Returns
-    -------
-    array, shape (rows,)
+    The tangent is too small for a large change: a third less loss warms by a half. The
+    model is that without changes, and ``before`` its temperature. [°C]
     """
     sensor_fault, (size,) = scaled_terms(effect).sensor_fault, effect.rows()
     weights = weights_of(effect, dates)
@@ -318,18 +281,7 @@ class Tangents:
         coefficients: dict[str, float],
         rows: np.ndarray,
     ) -> Self:
-        """
-        The tangents of a model at some rows.
-
-        Parameters
-        ----------
-        model : ThermalModel
-        inputs : Inputs
-            With all drivers of its effects.
-        coefficients : dict
-        rows : array of int
-            In order.
-        """
+        """The tangents of a model at some rows, which are in order."""
         model = model.with_known_terms(inputs, coefficients)
         reach = FADED * model.longest_time_constant(inputs, coefficients)
         read = rows_within_reach(rows, inputs.seconds, reach)
@@ -340,16 +292,9 @@ class Tangents:
 
     def slopes(self, also: Mapping[str, Terms] | None = None) -> dict[str, np.ndarray]:
         """
-        By the model's own parameters, or by further terms.
+        By the model's own parameters, or by further terms of all rows of the record.
 
-        Parameters
-        ----------
-        also : dict of Terms, optional
-            Of all rows of the record, by name.
-
-        Returns
-        -------
-        dict of array, shape (requested rows,)
+        They are by name, on the requested rows.
         """
         wanted, further = also is None, also or {}
         terms = {
@@ -376,21 +321,8 @@ def tangents(
     """
     What is tried with the tangents of its parameters, one by one.
 
-    Of a few at a time terms and slopes are held on many rows.
-
-    Parameters
-    ----------
-    tried : sequence of Tried
-    failed : dict of Because
-        Takes the reasons of those whose terms raise an error.
-    inputs : Inputs
-        With their drivers.
-    at : Tangents
-        Of the fitted model.
-
-    Yields
-    ------
-    Tried, dict of array
+    Of a few at a time terms and slopes are held on many rows. ``failed`` takes the
+    reasons of those whose terms raise an error.
     """
     for first in range(0, len(tried), FEW):
         terms: dict[str, Terms] = {}
@@ -453,22 +385,10 @@ def shape_errors(
     """
     Errors of a misshapen steady model at some rows, given other confounders.
 
-    Functions of the usual inputs alone, which every cause without a driver of
-    its own shares: curvature in the over-temperature, its fall with air
-    temperature, a slower mass, a record that is late, and a sky that follows the air.
-    The temperature is that without changes of instruments.
-
-    Parameters
-    ----------
-    temperature : array, shape (rows of the record,)
-        By the model without bias. [°C]
-    record : Record
-    rows : array of int
-        Rows that count.
-
-    Returns
-    -------
-    dict of array, shape (len(rows),)
+    Functions of the usual inputs alone, which every cause without a driver of its own
+    shares: curvature in the over-temperature, its fall with air temperature, a slower
+    mass, a record that is late, and a sky that follows the air. The temperature [°C] is
+    that without bias and without changes of instruments.
     """
     air, hour = record["temp_air"], 3600.0 / record.inputs.unit
     over = temperature - air

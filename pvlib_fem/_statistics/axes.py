@@ -89,30 +89,16 @@ CLOCK_WORDS = {
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """
-    An axis along which rows are binned: the bin of each row, and labels of the bins.
+    """An axis along which rows are binned."""
 
-    Attributes
-    ----------
-    name : str
-        Name in reports; a column never has the name of a clock axis.
-    bins : array of int
-        Bin of each row.
-    labels : tuple
-        From and to of each bin.
-    column : str
-        The binned column; empty for clock or calendar.
-    cyclic : bool
-        Whether the first bin follows the last.
-    cuts : tuple of float
-        Least value of the second bin, of the third and so on. Compass points have none.
-    """
-
-    name: str
+    name: str  # in reports; a column never has the name of a clock axis
+    #: of each row
     bins: np.ndarray = field(repr=False, default_factory=lambda: np.zeros(0, dtype=int))
+    #: from and to of each bin
     labels: tuple[tuple[Any, Any], ...] = field(repr=False, default=())
-    column: str = ""
-    cyclic: bool = False
+    column: str = ""  # the binned one; empty for clock or calendar
+    cyclic: bool = False  # whether the first bin follows the last
+    #: least value of the second bin, of the third and so on; compass points have none
     cuts: tuple[float, ...] = field(repr=False, default=())
 
     in_file = ("name", "labels", "column", "cyclic", "cuts")

@@ -21,30 +21,15 @@ PLACE_SHARE = 0.92  # share of the squares of strong cells in the reported range
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """
-    A random effect of the remaining error.
+    """A random effect of the remaining error."""
 
-    Attributes
-    ----------
-    axes : tuple of Axis
-        One or two axes.
-    groups : array of int
-        Cell of each value.
-    variance : float
-        Variance between the cells of the table. [K²]
-    errors : float
-        Ratio of the variance to its standard error. [-]
-    means, shares, rows : array
-        Per cell: mean [K], shrinkage factor of the mean [-], and number of rows.
-    """
-
-    axes: tuple
-    groups: np.ndarray = field(repr=False)
-    variance: float
-    errors: float
-    means: np.ndarray = field(repr=False)
-    shares: np.ndarray = field(repr=False)
-    rows: np.ndarray = field(repr=False)
+    axes: tuple  # one or two
+    groups: np.ndarray = field(repr=False)  # cell of each value
+    variance: float  # between the cells [K²]
+    errors: float  # ratio of the variance to its standard error [-]
+    means: np.ndarray = field(repr=False)  # of each cell [K]
+    shares: np.ndarray = field(repr=False)  # shrinkage factor of each mean [-]
+    rows: np.ndarray = field(repr=False)  # number of each cell
 
     @property
     def values(self) -> np.ndarray:
@@ -112,32 +97,18 @@ class Table:
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """
-    Cells of some axes by week, for the tables of many remaining errors.
-
-    Attributes
-    ----------
-    axes : tuple of Axis
-    place : array of int
-        Week and cell of each value as one number.
-    rows : array
-        Number of rows behind each value.
-    number, squares : array
-        Per cell: number of rows, and its square summed over the weeks.
-    weeks : int
-        Number of weeks.
-    """
+    """Cells of some axes by week, for the tables of many remaining errors."""
 
     axes: tuple
-    place: np.ndarray = field(repr=False)
-    rows: np.ndarray = field(repr=False)
-    number: np.ndarray = field(repr=False)
-    squares: np.ndarray = field(repr=False)
-    weeks: int
+    place: np.ndarray = field(repr=False)  # week and cell of each value as one number
+    rows: np.ndarray = field(repr=False)  # number behind each value
+    number: np.ndarray = field(repr=False)  # of rows in each cell
+    squares: np.ndarray = field(repr=False)  # of that in each week, summed over weeks
+    weeks: int  # number of weeks
 
     @classmethod
     def from_axes(cls, axes: tuple, rows: np.ndarray, weeks: np.ndarray) -> "Cells":
-        """Cells of axes; ``rows`` and ``weeks`` as in :meth:`Table.from_residual`."""
+        """Cells of axes; each value, in order of time, has its rows and its week."""
         groups, count = cell_numbers(axes)
         size = int(weeks[-1]) + 1
         place = (weeks * count + groups).astype(np.int32)

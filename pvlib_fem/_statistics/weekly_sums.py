@@ -127,26 +127,12 @@ class LeastSquares:
         Variance of a single tested column with the noise of all weeks, and its freedom.
 
         A change that lasts for a few weeks has few scores of its own, and their spread
-        is a poor estimate of the noise ("few treated clusters": Conley and Taber,
-        2011). Noise of the same kind gives each week's score a variance in proportion
-        to the square of the column in that week. So every week in which the column
-        differs from what the others explain estimates the noise. The two estimates
-        are averaged by their freedom, as those of similar samples are (Smyth, 2004).
-
-        Returns
-        -------
-        covariance : array
-            Of one by one.
-        freedom : float
-
-        References
-        ----------
-        .. [1] T. G. Conley and C. R. Taber, "Inference with difference in differences
-           with a small number of policy changes", Review of Economics and Statistics
-           93, 113-125, 2011. :doi:`10.1162/REST_a_00049`
-        .. [2] G. K. Smyth, "Linear models and empirical Bayes methods for assessing
-           differential expression in microarray experiments", Statistical Applications
-           in Genetics and Molecular Biology 3, 3, 2004. :doi:`10.2202/1544-6115.1027`
+        is a poor estimate of the noise ("few treated clusters": Conley and Taber, 2011,
+        :doi:`10.1162/REST_a_00049`). Noise of the same kind gives each week's score a
+        variance in proportion to the square of the column in that week. So every week
+        in which the column differs from what the others explain estimates the noise.
+        The two estimates are averaged by their freedom, as those of similar samples are
+        (Smyth, 2004, :doi:`10.2202/1544-6115.1027`).
         """
         known = self.weights > SOME * self.weights.max()
         along = (self.scores @ self.mix)[known, 0] / np.sqrt(self.weights[known])
