@@ -11,17 +11,13 @@ from pvlib_fem._record.column_names import (
     refuse_no_frame,
     with_aliases,
 )
-from pvlib_fem._record.inputs import Record
 from pvlib_fem._spelling import did_you_mean
 from pvlib_fem.drivers._mounts import (
     PLANE,
-    angles_at,
     checked_column,
     checked_place,
-    geometry,
 )
 from pvlib_fem.drivers._planes import ANGLES, AZIMUTH, TILT, ByColumns, by_rotation
-from pvlib_fem.quality._tracker_standstill import Standing, standing_of
 
 PLACE = ("location", *PLANE)  # arguments of a place
 FIXED = 1.0  # ° within which a plane is one and the same
@@ -238,63 +234,3 @@ def is_moving(known: dict[str, np.ndarray]) -> bool:
         ):
             return True
     return False
-
-
-def standings_in(
-    whole: Record, site: dict[str, Any], late: float
-) -> tuple[Standing, ...]:
-    """
-    Days on which the irradiance sensor of a tracker is stuck.
-
-    The irradiance is then not of the plane that turns, but of one that is fixed.
-
-    Parameters
-    ----------
-    whole : Record
-        On its own steps.
-    site : dict
-        From :func:`pvlib_fem.drivers.checked_place`, with a location.
-    late : float
-        By how much the times run ahead of the sun. [s]
-
-    Returns
-    -------
-    tuple of Standing
-        Empty for a plane that does not turn.
-    """
-    angles = None if site["mount"] is None else angles_at(whole.index, site, late)
-    if angles is None:
-        return ()
-    location = site["location"]
-    return standing_of(whole["poa_global"], whole.index, location, angles, late)
-
-
-def with_standings(
-    site: dict[str, Any], index: pd.DatetimeIndex, standings: tuple[Standing, ...]
-) -> dict[str, Any]:
-    """
-    The site with the angles at which its sensor stood, on those days.
-
-    Parameters
-    ----------
-    site : dict
-        From :func:`pvlib_fem.drivers.checked_place`.
-    index : DatetimeIndex
-        Times of the record.
-    standings : tuple of Standing
-        Days on which the sensor was stuck, with its angles.
-
-    Returns
-    -------
-    dict
-        The site, whose mount has the angles of each time if there are such days.
-    """
-    if not standings:
-        return site
-    columns = geometry(index, **site)
-    angles = {name: columns[name].to_numpy(copy=True) for name in ANGLES}
-    for one in standings:
-        rows = one.rows(index)
-        for name in ANGLES:
-            angles[name][rows] = getattr(one, name)
-    return {**site, **dict.fromkeys(ANGLES), "mount": ByColumns(index, angles)}

@@ -14,7 +14,7 @@ from pvlib_fem._fitting.horizontal import refuse_clock
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.divided_record import Case, divided_case
 from pvlib_fem._loop.outputs import outputs
-from pvlib_fem._loop.planes import plane_of_columns, standings_in, with_standings
+from pvlib_fem._loop.planes import plane_of_columns
 from pvlib_fem._loop.replacements import Filled, Replacements
 from pvlib_fem._record.column_names import (
     ALWAYS,
@@ -34,6 +34,7 @@ from pvlib_fem._record.names import unmapped
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem.drivers import DERIVED, MODELLED, geometry, needed_for
 from pvlib_fem.drivers._mounts import ANGLES, PLANE, angles_at, axis_of, is_known
+from pvlib_fem.drivers._planes import ByColumns
 from pvlib_fem.drivers._solar import standard_time
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects._effect import Effect
@@ -50,6 +51,7 @@ from pvlib_fem.quality._screen import Faults, screened_alone
 from pvlib_fem.quality._screening import stuck_rows
 from pvlib_fem.quality._stray_times import refuse_stray
 from pvlib_fem.quality._stuck import stuck_line
+from pvlib_fem.quality._tracker_standstill import Standing, standing_of
 from pvlib_fem.quality._unit_checks import oddities, options_of
 from pvlib_fem.reasons import Because, Reason, because
 
@@ -86,6 +88,12 @@ class Look:
         """Irradiance as it was measured, which the middle of the day is found by."""
         horizontal = self.filled.horizontal
         return self.whole["poa_global"] if horizontal is None else horizontal
+
+    @property
+    def late(self) -> float:
+        """By how much the file's times run ahead of the sun, if that is known. [s]"""
+        late = self.health.noon.late
+        return late if np.isfinite(late) else 0.0
 
 
 def prepared_case(
@@ -159,7 +167,7 @@ def prepared_case(
         refused = refused | dict.fromkeys(sun, because(Reason.OFF_THE_SUN))
         sun = {}
     measured = bool(sun) and look.filled.horizontal is None
-    standings = standings_in(look.whole, site, late_of(look)) if measured else ()
+    standings = standings_in(look, site) if measured else ()
     power = plant_power(look.whole, criteria.max_missing_share)
     there, absent = {**look.drivers, **power, **sun}, look.whole.absent
     wanted, untestable = candidates(there, refused, effects, absent=absent)
@@ -199,7 +207,7 @@ def prepared_case(
         ),
         corrections=corrections,
         another_plane=other,
-        late=late_of(look),
+        late=look.late,
         transposed=look.filled.horizontal is not None,
         standing=look.filled.standing,
         standings=standings,
@@ -216,7 +224,7 @@ def fixed_light(look: Look, site: dict[str, Any]) -> tuple[float, float] | None:
         or look.filled.horizontal is not None
     ):
         return None
-    index, late = look.whole.index, late_of(look)
+    index, late = look.whole.index, look.late
     stated = angles_at(index, site, late)
     return fixed_rather(stated, look.whole["poa_global"], index, site["location"], late)
 
@@ -227,7 +235,36 @@ def estimated_plane(look: Look, site: dict[str, Any]) -> Plane | None:
     if site["location"] is None or any(value is not None for value in given):
         return None
     whole = look.whole
-    return plane_of(whole["poa_global"], whole.index, site["location"], late_of(look))
+    return plane_of(whole["poa_global"], whole.index, site["location"], look.late)
+
+
+def standings_in(look: Look, site: dict[str, Any]) -> tuple[Standing, ...]:
+    """
+    Days on which the irradiance sensor of a tracker is stuck; none of a fixed plane.
+
+    The irradiance is then not of the plane that turns, but of one that is fixed.
+    """
+    index, late = look.whole.index, look.late
+    angles = None if site["mount"] is None else angles_at(index, site, late)
+    if angles is None:
+        return ()
+    poa, location = look.whole["poa_global"], site["location"]
+    return standing_of(poa, index, location, angles, late)
+
+
+def with_standings(
+    site: dict[str, Any], index: pd.DatetimeIndex, standings: tuple[Standing, ...]
+) -> dict[str, Any]:
+    """The site with the angles at which its sensor stood, on those days."""
+    if not standings:
+        return site
+    columns = geometry(index, **site)
+    angles = {name: columns[name].to_numpy(copy=True) for name in ANGLES}
+    for one in standings:
+        rows = one.rows(index)
+        for name in ANGLES:
+            angles[name][rows] = getattr(one, name)
+    return {**site, **dict.fromkeys(ANGLES), "mount": ByColumns(index, angles)}
 
 
 def another_plane(look: Look, site: dict[str, Any]) -> Plane | None:
@@ -238,7 +275,7 @@ def another_plane(look: Look, site: dict[str, Any]) -> Plane | None:
     if not is_known(site) or any(map(np.ndim, stated)):
         return None
     whole = look.whole
-    plane = plane_of(whole["poa_global"], whole.index, site["location"], late_of(look))
+    plane = plane_of(whole["poa_global"], whole.index, site["location"], look.late)
     return plane if plane is not None and plane.is_another(*stated) else None
 
 
@@ -267,12 +304,6 @@ def is_before_the_sun(effect: Effect) -> bool:
     return bool(effect.scan) and bool({*GEOMETRY[:2]} & {*effect.drivers})
 
 
-def late_of(look: Look) -> float:
-    """By how much a file's times run ahead of the sun, if that is known. [s]"""
-    late = look.health.noon.late
-    return late if np.isfinite(late) else 0.0
-
-
 def screened_frame(
     data: pd.DataFrame,
     holdout: pd.Series | None,
@@ -280,12 +311,12 @@ def screened_frame(
     criteria: Criteria,
     check_units: bool,
     instead: Replacements,
-    spared: Collection[int] = (),
+    spared: Collection[int],
 ) -> Look:
     """
     A frame divided and screened, and what its sensors and clocks show.
 
-    The parameters are those of :func:`prepared`.
+    The parameters are those of :func:`prepared_case`.
     """
     limits = criteria.limits
     data, site = plane_of_columns(data, site)
@@ -429,7 +460,7 @@ def detachments_in(record: Record, clock: Clock) -> list[tuple[Detachment, int, 
         record["poa_global"],
         record.index,
         record.dates,
-        power_in(timed),
+        next((timed[n] for n in timed.inputs.columns if is_power(n)), None),
     )
     if not clock.fault:
         return some
@@ -440,11 +471,6 @@ def detachments_in(record: Record, clock: Clock) -> list[tuple[Detachment, int, 
         (one, *np.searchsorted(seconds, [edges[first], edges[end]]).tolist())
         for one, first, end in some
     ]
-
-
-def power_in(record: Record) -> np.ndarray | None:
-    """A column of power; None without one."""
-    return next((record[n] for n in record.inputs.columns if is_power(n)), None)
 
 
 def in_time(record: Record, clock: Clock) -> Record:
@@ -635,7 +661,7 @@ def zone_of_the_sun(index: pd.DatetimeIndex, late: float, location: Location) ->
     return f"Etc/GMT{-whole:+d}"  # this zone's sign is reversed
 
 
-def uncorrected_shift(fault: str, late: float, zone: str = "") -> Correction:
+def uncorrected_shift(fault: str, late: float, zone: str) -> Correction:
     """The report on a file whose times do not fit the sun; it is not corrected."""
     fits = f" (the sun fits {zone})" if zone else ""
     remedy = (

@@ -63,7 +63,7 @@ def stage_reporter(
 
 @contextmanager
 def item_counter(
-    whole: int, done: int = 0, shown: bool | None = True, words: str | None = None
+    whole: int, done: int, shown: bool | None, words: str
 ) -> Iterator[Callable[[str], None]]:
     """
     A function that takes each finished item, of so many; with a bar.
@@ -74,7 +74,7 @@ def item_counter(
         Number of items in all, and of those that are finished already.
     shown : bool or None
         None for a bar on a terminal only.
-    words : str, optional
+    words : str
         In front of the bar.
 
     Yields

@@ -212,7 +212,7 @@ def joined_products(parts: list) -> tuple[np.ndarray, np.ndarray]:
     return days[first], np.add.reduceat(sums, first, axis=0)
 
 
-def days_of_folds(dates: np.ndarray, folds: int = FOLDS) -> np.ndarray:
+def days_of_folds(dates: np.ndarray) -> np.ndarray:
     """
     Fold of each date: whole weeks in turn, or days if there are few weeks.
 
@@ -220,16 +220,14 @@ def days_of_folds(dates: np.ndarray, folds: int = FOLDS) -> np.ndarray:
     ----------
     dates : array of int, shape (days,)
         Days from 1970-01-01.
-    folds : int, default 5
-        Number of folds.
 
     Returns
     -------
     array of int, shape (days,)
-        From 0 to ``folds - 1``.
+        From 0 to ``FOLDS - 1``.
     """
-    grouped = calendar_weeks(dates) if np.ptp(dates) >= folds * WEEK else dates
-    return np.unique(grouped, return_inverse=True)[1] % folds
+    grouped = calendar_weeks(dates) if np.ptp(dates) >= FOLDS * WEEK else dates
+    return np.unique(grouped, return_inverse=True)[1] % FOLDS
 
 
 def date_starts(dates: np.ndarray) -> tuple[np.ndarray, list[int]]:

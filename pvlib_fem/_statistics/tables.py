@@ -185,7 +185,7 @@ def cell_numbers(axes: tuple) -> tuple[np.ndarray, int]:
 
 def axes_and_pairs(axes: list) -> list[tuple]:
     """
-    Each axis, and each pair of axes with different names.
+    Each axis, and each pair of axes.
 
     Parameters
     ----------
@@ -197,8 +197,7 @@ def axes_and_pairs(axes: list) -> list[tuple]:
     list of tuple of Axis
         Single axes first.
     """
-    pairs = combinations(axes, 2)
-    return [*((one,) for one in axes), *(p for p in pairs if p[0].name != p[1].name)]
+    return [*((one,) for one in axes), *combinations(axes, 2)]
 
 
 def largest_table(kinds: list[Cells], rest: np.ndarray, least: float) -> Table | None:
