@@ -30,7 +30,7 @@ from pvlib_fem._loop.prepare import is_before_the_sun, prepared_case
 from pvlib_fem._loop.progress import stage_reporter
 from pvlib_fem._loop.references import daily_deviations
 from pvlib_fem._loop.refits import Fits, Step
-from pvlib_fem._loop.replacements import Replacements
+from pvlib_fem._loop.replacements import NOTHING, Replacements
 from pvlib_fem._loop.selection import Choice, Selection, selected
 from pvlib_fem._loop.standstill_edges import by_power, edge_weeks
 from pvlib_fem._loop.tangents import Evidence
@@ -198,9 +198,8 @@ def close_loop(
             transposition, plane_of_rows(data, place) if frame else place
         )
     calm = not steady_model(model).takes_wind
-    if transposition or stand_ins or calm:
-        how["instead"] = Replacements.of_arguments(transposition, stand_ins, calm)
-    return finished_search(data, model, place, progress, **how)[1]
+    instead = Replacements.of_arguments(transposition, stand_ins, calm)
+    return finished_search(data, model, place, progress, instead, **how)[1]
 
 
 def finished_search(
@@ -208,6 +207,7 @@ def finished_search(
     model: str,
     place: dict[str, Any],
     progress: Callable[[str], object] | bool | None,
+    instead: Replacements = NOTHING,
     **how: Any,
 ) -> tuple["Search", Loop]:
     """
@@ -219,14 +219,15 @@ def finished_search(
         See :func:`close_loop`.
     place : dict
         From :func:`pvlib_fem.drivers.checked_place`.
+    instead : Replacements, optional
     **how
-        Further arguments of :func:`pvlib_fem._loop.prepare.prepared`.
+        Further arguments of :func:`pvlib_fem._loop.prepare.prepared_case`.
 
     Returns
     -------
     Search, Loop
     """
-    given = {n: written_argument(value) for n, value in arguments_of(how).items()}
+    given = {n: written_argument(v) for n, v in (how | instead.arguments).items()}
     # LAPACK's last bits depend on the number of threads, and its matrices here are
     # small
     with one_blas_thread(), stage_reporter(progress) as report:
@@ -241,23 +242,22 @@ def finished_search(
                     "write them into the files as columns"
                 )
             report("reading the files")
-            instead, criteria = how.get("instead", Replacements()), how["criteria"]
-            source = as_source(data)
+            source, criteria = as_source(data), how["criteria"]
             source, replaced = instead.of_files(source, place, criteria.limits)
-            how["instead"] = Replacements(calm=instead.calm)
+            instead = Replacements(calm=instead.calm)
             frame, screened = in_means(in_files(source, plain), criteria)
             own = OwnSteps(screened)
             if how["holdout"] is not None:
                 how["holdout"] = on_days(how["holdout"], frame.index)
         else:  # anything but a frame is refused below
             frame = cast(pd.DataFrame, data)
-        others = stand_in_names(how["instead"].stand_ins) if "instead" in how else {}
+        others = stand_in_names(instead.stand_ins)
         plain.refuse_without_wind({**with_aliases(frame, ()), **others})
         frame, site = with_given(frame, place)
         spared: list[int] = []
         while True:
             report("checking the record")
-            case = prepared_case(frame, site, **how, spared=spared)
+            case = prepared_case(frame, site, **how, instead=instead, spared=spared)
             search = Search(Fits(case), report, own=own)
             last, base = search.run(steady)
             if how["holdout"] is not None:
@@ -274,7 +274,7 @@ def finished_search(
     index = cast(pd.DatetimeIndex, frame.index)  # else it had been refused
     times = Times.from_indices(index, case.kept, case.whole.index, search.clock)
     if own is None:
-        sky = how["instead"].transposition if case.transposed else ""
+        sky = instead.transposition if case.transposed else ""
         replaced = {"transposition": sky, "stand_ins": case.standing}
     reading = Reading(rows=len(frame.index), notes=notes_of(frame))
     return search, replace(
@@ -286,15 +286,6 @@ def finished_search(
         detachments=case.detachments,
         **replaced,
     )
-
-
-def arguments_of(how: Mapping[str, Any]) -> dict[str, Any]:
-    """The arguments of a call, with the replacements of columns by their names."""
-    instead = how.get("instead") or Replacements()
-    given = {name: value for name, value in how.items() if name != "instead"}
-    if instead.transposition:
-        given["transposition"] = instead.transposition
-    return given | ({"stand_ins": instead.stand_ins} if instead.stand_ins else {})
 
 
 def notes_of(data: pd.DataFrame) -> list[str]:

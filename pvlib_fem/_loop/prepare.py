@@ -15,7 +15,7 @@ from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.divided_record import Case, divided_case
 from pvlib_fem._loop.outputs import outputs
 from pvlib_fem._loop.planes import plane_of_columns
-from pvlib_fem._loop.replacements import Filled, Replacements
+from pvlib_fem._loop.replacements import NOTHING, Filled, Replacements
 from pvlib_fem._record.column_names import (
     ALWAYS,
     COLUMNS,
@@ -104,7 +104,7 @@ def prepared_case(
     criteria: Criteria,
     check_units: bool = True,
     fixed: Mapping[str, float] | None = None,
-    instead: Replacements | None = None,
+    instead: Replacements = NOTHING,
     spared: Collection[int] = (),
 ) -> Case:
     """
@@ -135,7 +135,7 @@ def prepared_case(
         site=site,
         criteria=criteria,
         check_units=check_units,
-        instead=instead or Replacements(),
+        instead=instead,
         spared=spared,
     )
     look = look_at(data, holdout)

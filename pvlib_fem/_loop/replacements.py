@@ -38,6 +38,12 @@ class Replacements:
         """The replacements by the arguments of :func:`close_loop`."""
         return cls(transposition or "", tuple(stand_in_names(stand_ins).values()), calm)
 
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """The arguments of a call that are no default."""
+        given = {"transposition": self.transposition, "stand_ins": self.stand_ins}
+        return {name: value for name, value in given.items() if value}
+
     def filled(
         self,
         data: pd.DataFrame,
@@ -88,6 +94,9 @@ class Replacements:
             standing.append(StandIn(usual, name))
         sky = self.transposition if transposed else ""
         return source, {"transposition": sky, "stand_ins": tuple(standing)}
+
+
+NOTHING = Replacements()
 
 
 def instead_of(source: ParquetRecord, usual: str, name: str) -> ParquetRecord:
