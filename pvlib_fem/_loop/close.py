@@ -8,12 +8,12 @@ import pandas as pd
 from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
-from pvlib_fem._findings import CORRECTED, Check, Correction, Finding
+from pvlib_fem._findings import CORRECTED, Check, Correction, Finding, Verdict
 from pvlib_fem._fitting.parquet_fit import in_files
 from pvlib_fem._fitting.stand_ins import stand_in_names
 from pvlib_fem._former_names import arguments_in_new_names, keys_in_new_names
 from pvlib_fem._loop.assemble import loop_of_search
-from pvlib_fem._loop.conclude import as_hint, check_of_bounds, finding_of
+from pvlib_fem._loop.conclude import check_of_bounds, finding_of
 from pvlib_fem._loop.correct_clock import module_clock
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
@@ -307,11 +307,6 @@ class Round:
         return [one.top.name for one in self.choices]
 
     @property
-    def refined(self) -> "Round":
-        """The round with other choices, if these explain more."""
-        return replace(self, choices=tuple(self.selection.refined([*self.choices])))
-
-    @property
     def chosen(self) -> frozenset[str]:
         """
         The chosen columns by name, and changes with their dates.
@@ -383,7 +378,13 @@ class Search:
                 return last, base
             finding, check, why = against
             self.closed |= {finding.effect}
-            self.refused.append(as_hint(finding, check, why))
+            self.refuse(finding, check, why)
+
+    def refuse(self, finding: Finding, check: Check, why: Because) -> None:
+        """Take a finding as a hint, since it does not pass a check after all."""
+        checks = (*finding.checks, check)
+        hint = replace(finding, verdict=Verdict.HINT, because=why, checks=checks)
+        self.refused.append(hint)
 
     def with_usual(self, step: Step) -> Step:
         """The step with what every module has, and with effects that are held."""
@@ -411,7 +412,8 @@ class Search:
             # the plain model is that of no effects
             settled = {*seen, frozenset()} if step is plain else seen
             if this.chosen in settled:
-                this = this.refined
+                refined = this.selection.refined([*this.choices])
+                this = replace(this, choices=tuple(refined))
             if this.chosen in settled:
                 break
             self.report(f"fitting {', '.join(this.names) or 'no further effect'}")
@@ -520,7 +522,7 @@ class Search:
             fit = self.fits.fitted(model, step, finding.coefficients, whole=False)
             check, why = check_of_bounds(finding.coefficients, fit)
             if not check.passed:
-                self.refused.append(as_hint(finding, check, why))
+                self.refuse(finding, check, why)
                 continue
             step = self.steps[f"+{finding.effect}"] = fit
             self.findings.append(finding)

@@ -62,7 +62,6 @@ def finding_of(
     Finding
     """
     limits = case.criteria
-    order = sorted(choice.probabilities.items(), key=lambda item: -item[1])
     credible = credible_names(choice, limits.min_probability)
     names = (effect.name, *(n for n in credible if n not in (effect.name, OUTSIDE)))
     score, gain = choice.scores[effect.name], float(np.sqrt(choice.fall))
@@ -102,10 +101,9 @@ def finding_of(
             )
         )
     elif not case.enough:
-        days, least = case.days, limits.min_days
         verdict = Verdict.HINT
-        why = because(Reason.TOO_SHORT, days=days, least=least)
-        checks.append(Check("days", "min_days", days, least))
+        check, why = too_short(case)
+        checks.append(check)
     if agree := [
         one.column
         for one in cross_checks
@@ -125,13 +123,20 @@ def finding_of(
         kind=Kind.of(effect),
         place=dates_in_words(effect.settings) if is_dated(effect) else "",
         cross_checks=cross_checks,
-        probabilities={name: float(value) for name, value in order},
+        probabilities=choice.probabilities,
         members={
             name: member_of(choice, name, limits)
             for name in names[1:]
             if name in EFFECTS
         },
     )
+
+
+def too_short(case: "Case") -> tuple[Check, Because]:
+    """The check that a record has enough days for a name, and why it fails."""
+    days, least = case.days, case.criteria.min_days
+    check = Check("days", "min_days", days, least)
+    return check, because(Reason.TOO_SHORT, days=days, least=least)
 
 
 def credible_names(choice: "Choice", probability: float) -> list[str]:
@@ -150,7 +155,7 @@ def credible_names(choice: "Choice", probability: float) -> list[str]:
         The most probable first.
     """
     names, total = [], 0.0
-    for name, share in sorted(choice.probabilities.items(), key=lambda item: -item[1]):
+    for name, share in choice.probabilities.items():
         names.append(name)
         total += share
         if total >= probability:
@@ -281,31 +286,6 @@ def check_of_bounds(
     )
 
 
-def as_hint(finding: Finding, check: Check, why: Because) -> Finding:
-    """
-    The finding as a hint, where it does not pass a check after all.
-
-    Parameters
-    ----------
-    finding : Finding
-        Finding that was to be added.
-    check : Check
-        The check that failed, which becomes the last.
-    why : Because
-        Reason in words.
-
-    Returns
-    -------
-    Finding
-    """
-    return replace(
-        finding,
-        verdict=Verdict.HINT,
-        because=why,
-        checks=(*finding.checks, check),
-    )
-
-
 def hints(
     case: "Case", rows: Mapping[str, "Row"], findings: Sequence[Finding], floor: float
 ) -> Iterator[Finding]:
@@ -344,9 +324,7 @@ def hints(
             name_of = "probability that it is there"
             check = Check(name_of, "min_probability", score.probability, sure)
         if not case.enough:
-            days, enough = case.days, limits.min_days
-            why = because(Reason.TOO_SHORT, days=days, least=enough)
-            check = Check("days", "min_days", days, enough)
+            check, why = too_short(case)
         effect = row.effect
         yield Finding(
             effect=name,

@@ -120,8 +120,9 @@ def with_outside(
     total = sum(mine.values()) + outside
     mine[OUTSIDE] = outside
     # rounding errors must not choose among causes that are equally probable
-    probabilities = {n: round(p / total, DIGITS) for n, p in mine.items()}
-    return replace(choice, probabilities=probabilities)
+    probabilities = {n: float(round(p / total, DIGITS)) for n, p in mine.items()}
+    order = sorted(probabilities.items(), key=lambda item: -item[1])
+    return replace(choice, probabilities=dict(order))
 
 
 def remaining_shares(

@@ -43,7 +43,7 @@ class DailyDeviation:
     days: np.ndarray  # since 1970-01-01
     apart: np.ndarray
     #: of an effect of a size, more light on the modules [-]
-    light: Callable[[Effect, float], np.ndarray] | None = None
+    light: Callable[[Effect, float], np.ndarray]
 
     @cached_property
     def usual(self) -> list[np.ndarray]:
@@ -156,15 +156,11 @@ class DailyDeviation:
         coefficients: Mapping[str, float],
     ) -> float:
         """The deviation that a change of a size would make along a time profile."""
-        shows = self.comparison.shows.get(kind(effect))
-        if shows is None:
-            return 0.0
         if effect.sensor_fault:
             change = size * weights_of(effect, self.days)
-        elif self.light is not None:
+        else:
             change = self.light(effect, size)
-        else:  # of columns without a record
-            return 0.0
+        shows = self.comparison.shows[kind(effect)]
         with np.errstate(invalid="ignore", divide="ignore"):
             shown = shows(change, coefficients)
         return self.along(along, shown)[0] if np.isfinite(shown).all() else 0.0

@@ -84,7 +84,7 @@ class Choice:
     weights: dict[str, float] = field(default_factory=dict)  # posterior among members
     #: of members that are trends: least and largest size over their dates, relative
     spreads: dict[str, tuple[float, float]] = field(default_factory=dict)
-    #: the outside among them
+    #: the outside among them, the most probable first
     probabilities: dict[str, float] = field(default_factory=dict)
     taken: frozenset[str] = frozenset()  # names of other choices
 

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._record.column_names import COLUMNS
-from pvlib_fem._record.inputs import Columns, Inputs, Record
+from pvlib_fem._record.inputs import Inputs, Record
 from pvlib_fem._relaxation import FADED, relax
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem._thermal.model import ThermalModel
@@ -20,11 +20,6 @@ from pvlib_fem.reasons import Because, Reason, because
 
 RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
 FEW = 18  # effects of which the tangents are made at a time
-#: the attribute ``scan`` of an :class:`Effect`
-Scan = Callable[
-    [np.ndarray, dict[str, np.ndarray], dict[str, np.ndarray], np.ndarray, float],
-    Effect | None,
-]
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +143,7 @@ def gather_evidence(
         tuple(base),
         tuple(wrong),
     )
-    scanned: list[tuple[Scan, Effect, dict[str, np.ndarray], np.ndarray]] = []
+    scanned: list[tuple[Callable, Effect, dict[str, np.ndarray], np.ndarray]] = []
     changing: list[tuple[Effect, str]] = []
     for one, own in tangents(tried, failed, inputs, at):
         known = record.complete_rows(needed_for(one.wide.drivers))[rows]
@@ -216,7 +211,7 @@ class Tried:
     """What is tried first of an effect, or of a fault along its time profiles."""
 
     wide: Effect
-    scan: Scan | None = None  # that takes the effect from the wide one
+    scan: Callable | None = None  # that takes the effect from the wide one
     time_profiles: tuple[Effect, ...] = ()  # whose dates are to be found
 
     @property
@@ -329,18 +324,15 @@ def tangents(
         there: list[Tried] = []
         for one in tried[first : first + FEW]:
             try:
-                terms |= terms_of(one.wide, inputs.columns)
+                # slopes from where it adds nothing
+                linear = linearised(one.wide, inputs.columns)
+                terms |= linear.slopes(inputs.columns, one.wide.start)
                 there.append(one)
             except Exception as error:
                 failed |= dict.fromkeys(one.names, reason_of_error(error))
         slopes = at.slopes(terms)
         for one in there:
             yield one, {key: slopes.pop(key) for key in one.wide.rows()}
-
-
-def terms_of(effect: Effect, columns: Columns) -> Mapping[str, Terms]:
-    """Slopes of an effect's terms from where it adds nothing."""
-    return linearised(effect, columns).slopes(columns, effect.start)
 
 
 def gapless_terms(terms: Terms) -> Terms:
@@ -363,7 +355,7 @@ def gapless_column(column: np.ndarray | float) -> np.ndarray | float:
 
 def located_effect(
     evidence: Evidence,
-    scan: Scan,
+    scan: Callable,
     own: dict[str, np.ndarray],
     known: np.ndarray,
     inputs: Inputs,

@@ -266,7 +266,7 @@ def test_what_differs_from_year_to_year_is_in_the_error():
     root = np.linalg.cholesky(np.exp(-apart_ / 365.25) + 1e-9 * np.eye(len(days)))
     random = np.random.default_rng(4)
     for weights in (days > days[100], days / 365.25):
-        found = DailyDeviation(comparison, USUAL_WIND, days, np.zeros(len(days)))
+        found = DailyDeviation(comparison, USUAL_WIND, days, np.zeros(len(days)), None)
         columns = [np.ones(len(days)), *found.year(), np.asarray(weights, dtype=float)]
         table = np.column_stack(columns)
         draws = comparison.wanders * root @ random.normal(size=(len(days), 2000))
