@@ -18,8 +18,7 @@ from study_page import publish
 
 import pvlib_fem as fem
 from pvlib_fem._recovery.recovery_text import KINDS, lines, share_with_interval
-from pvlib_fem._recovery.trial import CLEARLY, false_names
-from pvlib_fem._statistics.jeffreys import share_between
+from pvlib_fem._recovery.trial import CLEARLY, false_names, share_between
 
 YEARS = ("eurac_bolzano", "nrel_stf")
 SIZES = (1.5,)  # times the predicted one

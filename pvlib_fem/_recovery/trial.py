@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy.special import betaincinv, gammaincinv
 
 from pvlib_fem._findings import Verdict
 from pvlib_fem._former_names import fields_in_new_names
 from pvlib_fem._loop.close import close_loop
-from pvlib_fem._statistics.jeffreys import rate_between, share_between
 
 CLEARLY = 1.5  # multiple of the predicted size from which nearly all should be found
+ENDS = (0.05, 0.95)  # of intervals, as probabilities
 COLUMNS = ("identified", "injections", "found", "completeness", "complete_from")
 COLUMNS += ("complete_to", "trials", "false", "reliability", "reliable_from")
 COLUMNS += ("reliable_to",)
@@ -169,3 +170,28 @@ def share_with_ends(count: Any, total: Any) -> Any:
     if not total:
         return 0, 0, np.nan, np.nan, np.nan
     return total, count, count / total, *share_between(count, total)
+
+
+def share_between(count: int, of: int) -> tuple[float, float]:
+    """
+    Lower and upper end of the interval of a proportion, by Jeffreys' prior. [-]
+
+    The lower end is 0 without a success, and the upper end is 1 without a failure
+    (Brown, Cai and DasGupta, 2001, eq. 3.1.2, :doi:`10.1214/ss/1009213286`). With no
+    trial the interval is 0 to 1.
+    """
+    rest = of - count
+    ends = betaincinv(count + 0.5, rest + 0.5, ENDS)
+    return float(ends[0]) if count else 0.0, float(ends[1]) if rest else 1.0
+
+
+def rate_between(count: int, of: int) -> tuple[float, float]:
+    """
+    Lower and upper end of a mean count per record, by Jeffreys' prior. [1/record]
+
+    The lower end is 0 for a count of 0; with no record the interval is 0 to infinity.
+    """
+    if not of:
+        return 0.0, np.inf
+    low, high = gammaincinv(count + 0.5, ENDS) / of
+    return float(low) if count else 0.0, float(high)

@@ -21,8 +21,13 @@ from pvlib_fem._recovery.judge import Outcome
 from pvlib_fem._recovery.recover import planned_injections
 from pvlib_fem._recovery.recovery_result import Recovery
 from pvlib_fem._recovery.scramble import Scrambler, explained_share
-from pvlib_fem._recovery.trial import Trial, false_names, false_of
-from pvlib_fem._statistics.jeffreys import rate_between, share_between
+from pvlib_fem._recovery.trial import (
+    Trial,
+    false_names,
+    false_of,
+    rate_between,
+    share_between,
+)
 from pvlib_fem.simulator import RHINE
 
 USUAL = ["poa_global", "temp_air", "wind_speed", "temp_module"]
