@@ -9,6 +9,7 @@ from scipy.special import fdtrc, stdtrit
 
 from pvlib_fem._loop.design import Column, Design
 from pvlib_fem._loop.tangents import Evidence
+from pvlib_fem._statistics.weekly_sums import given_first
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.reasons import Because, Reason, because
 
@@ -86,7 +87,8 @@ def ranked(
     for one in selection.candidates(given, taken):
         squares = design.whole([*given, *one.columns])
         size = len(one.columns)
-        own, remainder = np.diag(squares)[-size:], squares_given_others(squares, size)
+        own = np.diag(squares)[-size:]
+        remainder = np.diag(given_first(squares, len(given)))[1:]
         if not (own > 0).all():
             failed[one.name] = because(Reason.ADDS_NOTHING)
         elif (remainder < UNSEEN * own).any():
@@ -119,29 +121,6 @@ def ranked(
             ),
         )
     return rows, failed
-
-
-def squares_given_others(squares: np.ndarray, size: int) -> np.ndarray:
-    """
-    Squares of the last columns given the others.
-
-    Parameters
-    ----------
-    squares : array, shape (columns + 1, columns + 1)
-        Sums of products; the first row is that of the residual, which is not used.
-    size : int
-        Number of last columns.
-
-    Returns
-    -------
-    array, shape (size,)
-        Sum of squares of each that the other columns do not explain.
-    """
-    inner, cross = squares[1:-size, 1:-size], squares[1:-size, -size:]
-    scale = np.sqrt(np.diag(inner)) + 1e-30
-    normal = inner / np.outer(scale, scale) + 1e-10 * np.eye(len(scale))
-    taken = cross / scale[:, None]
-    return np.diag(squares)[-size:] - (taken * np.linalg.solve(normal, taken)).sum(0)
 
 
 def errors_needed(one: "Candidate", design: Design, score: "Score") -> float:

@@ -24,6 +24,7 @@ from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,
     explainable_share,
     fall_of_squares,
+    given_first,
     held_out,
     with_ridge,
 )
@@ -388,17 +389,14 @@ class Selection:
         places = dict.fromkeys(c for i in plain for c in candidates[i].columns)
         order = {c: i + 1 for i, c in enumerate(c for c in places if c not in given)}
         whole = design.whole([*given, *order])
-        whole[1:, 1:] = with_ridge(whole[1:, 1:])
-        own = [0, *range(size + 1, len(whole))]
-        cross = whole[1 : size + 1, own]
-        base = whole[1 : size + 1, 1 : size + 1]
-        beyond = whole[np.ix_(own, own)] - cross.T @ np.linalg.solve(base, cross)
+        beyond = given_first(whole, size)
         for i in plain:
             at = [order[c] for c in candidates[i].columns if c in order]
             score = beyond[at, 0]
             falls[i] = score @ np.linalg.solve(beyond[np.ix_(at, at)], score)
         if dated := [i for i, one in enumerate(candidates) if one.effect.sensor_fault]:
             rows = np.array([design.row(candidates[i].change, given) for i in dated])
+            base = with_ridge(whole[1 : size + 1, 1 : size + 1])
             mine = np.linalg.solve(base, rows[:, 1:-1].T)
             scores = rows[:, 0] - whole[0, 1 : size + 1] @ mine
             squares = rows[:, -1] - np.einsum("ij,ji->i", rows[:, 1:-1], mine)
@@ -579,9 +577,7 @@ def drawn_part(
     weekly = design.by_week([*given, *own])
     fit = LeastSquares(weekly, len(own))
     # Takeuchi: what as many columns take of noise that is alike within weeks
-    squares = weekly.sum(axis=0)[1:, 1:]
-    inverse = np.linalg.inv(squares + 1e-9 * np.diag(np.diag(squares)))
-    own_part = np.linalg.inv(inverse[-len(own) :, -len(own) :])
+    own_part = given_first(fit.whole, len(given))[1:, 1:]
     noise = np.trace(own_part @ fit.covariance)
     return (
         fall_of_squares(sums_of_draws(weekly, draws), len(own)) - noise

@@ -13,13 +13,13 @@ from pvlib_fem._loop.design import Changed, Column, Design, columns_of
 from pvlib_fem._loop.dictionary import Candidate
 from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.noise import with_outside
-from pvlib_fem._loop.ranking import squares_given_others
 from pvlib_fem._loop.references import DailyDeviation, daily_deviations
 from pvlib_fem._loop.refits import Step
 from pvlib_fem._loop.selection import OVERLAP, Choice, Selection, selected
 from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._recovery.draw import Draw, dated_draws, same_days, with_ways
 from pvlib_fem._recovery.inject import readable, whole_of
+from pvlib_fem._statistics.weekly_sums import given_first
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import weights_of
 from pvlib_fem.reasons import Because, Reason, because
@@ -130,11 +130,8 @@ class Look:
         """Whether the effect is not collinear with the fitted coefficients."""
         design, size = self.selection.design, len(self.one.columns)
         squares = design.whole([*design.base, *self.one.columns])
-        return bool(
-            (
-                squares_given_others(squares, size) > 1e-6 * np.diag(squares)[-size:]
-            ).all()
-        )
+        remainder = np.diag(given_first(squares, len(design.base)))[1:]
+        return bool((remainder > 1e-6 * np.diag(squares)[-size:]).all())
 
     def size(self, draw: Draw, least: float) -> float:
         """The least size at which the effect is found, or NaN."""

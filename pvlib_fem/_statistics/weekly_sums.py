@@ -186,6 +186,30 @@ def with_ridge(squares: np.ndarray) -> np.ndarray:
     return squares + ridge[..., None] * np.eye(squares.shape[-1])
 
 
+def given_first(whole: np.ndarray, first: int) -> np.ndarray:
+    """
+    Products of the residual and the last columns, given the first ones.
+
+    Parameters
+    ----------
+    whole : array, shape (..., columns + 1, columns + 1)
+        Sums of products; the first row is that of the residual.
+    first : int
+        Number of first columns, which explain a part of all others.
+
+    Returns
+    -------
+    array, shape (..., columns + 1 - first, columns + 1 - first)
+        The residual is first again. Columns have a ridge, as by :func:`with_ridge`.
+    """
+    squares = whole.copy()
+    squares[..., 1:, 1:] = with_ridge(whole[..., 1:, 1:])
+    rest = np.r_[0, first + 1 : whole.shape[-1]]
+    cross = squares[..., 1 : first + 1, rest]
+    explained = np.linalg.solve(squares[..., 1 : first + 1, 1 : first + 1], cross)
+    return squares[..., rest[:, None], rest] - np.swapaxes(cross, -1, -2) @ explained
+
+
 def fall_of_squares(whole: np.ndarray, size: int) -> Squares:
     """
     Decrease of the sum of squares by the last columns.
@@ -227,13 +251,8 @@ def explainable_share(whole: np.ndarray, size: int, rival: int) -> Squares:
     -------
     float, or array of one value for each matrix
     """
-    own = whole.shape[-1] - 1 - size - rival
-    squares = with_ridge(whole[..., 1:, 1:])
-    cross = squares[..., :own, own:]
-    given = np.linalg.solve(squares[..., :own, :own], cross)
-    beyond = squares[..., own:, own:] - np.swapaxes(cross, -1, -2) @ given
-    scores = whole[..., 1 + own :, 0]
-    scores = scores - np.einsum("...gi,...g->...i", given, whole[..., 1 : 1 + own, 0])
+    beyond = given_first(whole, whole.shape[-1] - 1 - size - rival)
+    scores, beyond = beyond[..., 1:, 0], beyond[..., 1:, 1:]
     mine, theirs = beyond[..., :size, :size], beyond[..., size:, size:]
     sizes = np.linalg.solve(mine, scores[..., :size, None])
     seen = beyond[..., size:, :size] @ sizes
