@@ -18,6 +18,7 @@ from pvlib_fem._record.column_names import COLUMNS, DAYLIGHT
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._relaxation import relax
 from pvlib_fem._statistics.clusters import FEWEST_DAYS, FOLDS, days_of_folds
+from pvlib_fem._statistics.weekly_sums import least_squares_coefficients
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.criteria import Criteria
@@ -29,7 +30,6 @@ LATER = (9000.0, 10800.0)  # s, beyond it
 SHORT = 300.0  # s, of a step at least
 SMOOTH = np.array([60.0, 180.0]) * 60.0  # s, time constants of smoothed temperatures
 MEMORY = np.array([15.0, 60.0, 180.0]) * 60.0  # s, of smoothed inputs
-RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
 LEAST = 1e-12  # of a column's square: less of it on a day is rounding
 #: coefficients of the residual relative to the model's part: without noise of the
 #: module's sensor, and with noise of up to three quarters of the residual's variance
@@ -198,26 +198,6 @@ def is_one_piece(
         and is_less(by_whole, by_rest, dates)
         and bool(beyond < most * (by_model.sum() - by_parts.sum()))
     )
-
-
-def least_squares_coefficients(columns: np.ndarray, table: np.ndarray) -> np.ndarray:
-    """
-    Coefficients of a least-squares fit of each column of a table.
-
-    Parameters
-    ----------
-    columns : array, shape (rows, functions)
-    table : array, shape (rows, columns)
-
-    Returns
-    -------
-    array, shape (functions, columns)
-    """
-    products = columns.T @ columns
-    size = np.sqrt(np.diag(products))
-    size[size == 0.0] = 1.0
-    inner = products / np.outer(size, size) + RIDGE * np.eye(len(size))
-    return np.linalg.solve(inner, columns.T @ table / size[:, None]) / size[:, None]
 
 
 def held_out(column: np.ndarray, others: np.ndarray, folds: np.ndarray) -> np.ndarray:

@@ -10,11 +10,12 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from pvlib_fem._loop.leaks import SURE, least_squares_coefficients, splines
+from pvlib_fem._loop.leaks import SURE, splines
 from pvlib_fem._record.column_names import DAYLIGHT, is_power
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._record.names import is_own, usual_name
 from pvlib_fem._statistics.clusters import FEWEST_DAYS, calendar_weeks
+from pvlib_fem._statistics.weekly_sums import least_squares_coefficients
 
 BRIGHT = 100.0  # W/m², above which an inverter's own consumption is little
 MOST = 95.0  # percentile that stands for the most, by day and by night

@@ -12,13 +12,13 @@ from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.inputs import Inputs, Record
 from pvlib_fem._relaxation import FADED, relax
 from pvlib_fem._statistics.clusters import calendar_weeks
+from pvlib_fem._statistics.weekly_sums import least_squares_coefficients
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers import derive_drivers, needed_for
 from pvlib_fem.effects._effect import Effect, Terms, linearised
 from pvlib_fem.effects._time_profiles import scaled_terms, weights_of
 from pvlib_fem.reasons import Because, Reason, because
 
-RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
 FEW = 18  # effects of which the tangents are made at a time
 
 
@@ -66,10 +66,7 @@ class Evidence:
         shapes = [n for n, effect in self.effects.items() if effect.confounder]
         names = [*self.base, *self.misfits, *(c for n in shapes for c in self.own[n])]
         table = np.column_stack([np.nan_to_num(self.columns[n]) for n in names])
-        squares = table.T @ table
-        scale = np.sqrt(np.diag(squares)) + 1e-12
-        squares = squares / np.outer(scale, scale) + RIDGE * np.eye(len(scale))
-        sizes = np.linalg.solve(squares, table.T @ self.residual / scale) / scale
+        sizes = least_squares_coefficients(table, self.residual[:, None])[:, 0]
         return self.residual - table @ sizes, {n: self.columns[n] for n in names}
 
 

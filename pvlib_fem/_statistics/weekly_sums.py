@@ -168,6 +168,26 @@ def coefficients_from(whole: np.ndarray) -> np.ndarray:
     ]
 
 
+def least_squares_coefficients(columns: np.ndarray, table: np.ndarray) -> np.ndarray:
+    """
+    Coefficients of a least-squares fit of columns to each column of a table.
+
+    Parameters
+    ----------
+    columns, table : array, shape (rows, columns)
+
+    Returns
+    -------
+    array, shape (columns, columns of the table)
+        What the rows do not determine is 0.
+    """
+    squares = columns.T @ columns
+    size = np.sqrt(np.diag(squares))
+    size[size == 0.0] = 1.0
+    inner = squares / np.outer(size, size) + RIDGE * np.eye(len(size))
+    return np.linalg.solve(inner, columns.T @ table / size[:, None]) / size[:, None]
+
+
 def with_ridge(squares: np.ndarray) -> np.ndarray:
     """
     Products with a ridge, so that undetermined coefficients stay 0.
