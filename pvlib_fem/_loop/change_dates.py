@@ -69,8 +69,7 @@ class Scan:
         """
         Products of a column with the remaining error and others, before each day.
 
-        Of ``low`` and ``high``, the least and the largest size that it can have, the
-        signs count.
+        ``low`` and ``high`` are signs of the least and the largest size of a change.
         """
         rows = self.design.by_day(place, self.given) * self.trust[:, None]
         scores = rows[:, 0] - rows[:, 1:] @ self.solved

@@ -247,7 +247,7 @@ def own_checks(
     """
     Checks of a finding by a fit to the own steps, each with why it fails.
 
-    On the means the finding reduces the mean square by ``fall_on_means``. [K²]
+    The finding reduces the mean square of the means by ``fall_on_means``. [K²]
     """
     yield check_of_bounds(finding.coefficients, fit)
     # without an error, or held, there is no doubt

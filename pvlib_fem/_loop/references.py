@@ -59,7 +59,7 @@ class DailyDeviation:
         """
         The change along a time profile given others, its error, and the residual.
 
-        It is that of the deviation, or of other daily ``values``.
+        It is a change of the deviation, or of other daily ``values``.
         """
         values = self.apart if values is None else values
         columns = [*self.usual, *others, weights]
@@ -125,8 +125,8 @@ class DailyDeviation:
         """
         Its deviation along the profile of an effect, and what members would make it.
 
-        These are the deviation, its error, by name what each of some members would make
-        it, and by how much it ages by itself; None where it shows nothing.
+        Returned are the deviation, its error, by name what each of some members would
+        make it, and by how much it ages by itself; None where it shows nothing.
         """
         weights = weights_of(first, self.days)
         if not names or not np.ptp(weights) > 0:

@@ -189,8 +189,8 @@ def daily_gains(
     """
     Twice the log-likelihood of each day, by power, that the modules stand on it.
 
-    The effect is a standstill of the fitted size over all days that may be of it. The
-    days ``within`` are these: the first, and the first day after them, from 1970-01-01.
+    The effect is a standstill of the fitted size over all days that may be of it.
+    ``within`` has the first of these days, and the first after them, from 1970-01-01.
     """
     record = case.record
     total: dict[int, float] = {}
