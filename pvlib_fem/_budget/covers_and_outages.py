@@ -18,6 +18,7 @@ from pvlib_fem.drivers._plant_irradiance import (
     irradiances_agree,
     lost_irradiance,
 )
+from pvlib_fem.power import BRIGHT
 
 FEWEST = 2  # least hours of an event: one hour may have two states
 FAINT, DIM = 0.05, 20.0  # least difference of irradiance, as a share and in W/m²
@@ -102,7 +103,8 @@ class Hours:
         hourly = {name: means(values) for name, values in columns.items()}
         hourly |= {name: hourly[name] * size for name in SUMS}
         squares = np.add.reduceat(columns["residual"] ** 2, first)
-        light = (hourly["seen"] > LEAST) | (hourly["shown"] > LEAST)
+        # with less light, no row is in the fit of expected power
+        light = (hourly["seen"] > BRIGHT) | (hourly["shown"] > BRIGHT)
         hourly = {name: values[light] for name, values in hourly.items()}
         return cls(
             index[first][light],
@@ -213,6 +215,7 @@ class Deciding:
         apart = hours.beyond_usual((hours.shown - seen) / np.fmax(seen, LEAST), far)
         shown = np.where(far, hours.shown, seen * (1.0 + apart))
         faint = np.abs(shown - seen) > np.maximum(max(FAINT, 2.0 * spread) * seen, DIM)
+        faint &= seen > BRIGHT
         state = np.where(far | faint & counts, np.sign(shown - seen), 0.0).astype(int)
         usual = counts & (state == 0)
         for _ in range(2):

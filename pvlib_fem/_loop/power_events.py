@@ -13,6 +13,7 @@ from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers import derive_drivers
 from pvlib_fem.drivers._plant_irradiance import light_shown
 from pvlib_fem.effects import find
+from pvlib_fem.effects._time_profiles import weights_of
 from pvlib_fem.power import fit_power_arrays
 from pvlib_fem.scores import row_hours
 
@@ -50,6 +51,7 @@ def events_of(fits: "Fits", step: "Step") -> pd.DataFrame:
     inputs = model.with_base(record.inputs, ["temp_base", "loss_base"])
     inputs = derive_drivers(inputs, [off, "day"])
     given = [inputs[n] for n in ("poa_global", "temp_base", powers[0], "day")]
+    given[0] = given[0] * true_over_read(step, model, record.dates)
     try:
         relation = fit_power_arrays(*(column[case.fitting] for column in given))
     except ValueError:  # no power on the fitting weeks
@@ -81,6 +83,18 @@ def events_of(fits: "Fits", step: "Step") -> pd.DataFrame:
         if effect.name in KINDS
     }
     return events_in(hours, relation.spread, total, shares)
+
+
+def true_over_read(
+    step: "Step", model: ThermalModel, dates: np.ndarray
+) -> np.ndarray | float:
+    """Irradiance over what its sensor reads, by its faults in the model. [-]"""
+    ratio: np.ndarray | float = 1.0
+    for effect in model.effects:
+        if effect.sensor_fault == "irradiance_sensor":
+            (change,) = (step.coefficients[name] for name in effect.rows())
+            ratio = ratio * (1.0 + change * weights_of(effect, dates))
+    return ratio
 
 
 def without_power(step: "Step", model: ThermalModel, inputs: Inputs) -> np.ndarray:
