@@ -5,9 +5,10 @@ Close the loop
 A thermal model is fitted. Which physical effects explain the remaining error? A year is
 simulated with three effects that the loop does not know: a cold sky, wind that cools
 more from one side than from the other, and heat that blows on the module on weekends.
-:py:func:`pvlib_fem.close_loop` identifies the first two, which reduces the error on
-test weeks from 1.50 K to 1.10 K. The third is outside the catalogue: the loop
-identifies no cause, and reports when it occurs.
+:py:func:`pvlib_fem.close_loop` finds the first two, which reduces the error on test
+weeks from 1.50 K to 1.10 K. The wind stays ambiguous, since a wind brings air of its
+own. The third is outside the catalogue: the loop identifies no cause, and reports when
+it occurs.
 """
 
 import matplotlib.pyplot as plt
