@@ -20,6 +20,9 @@ from pvlib_fem.effects._time_profiles import scaled_terms, weights_of
 from pvlib_fem.reasons import Because, Reason, because
 
 FEW = 18  # effects of which the tangents are made at a time
+#: of a step, from which a module temperature is not its mean but that of its end, which
+#: is half a step early
+EARLY = 0.125
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,9 +135,13 @@ def gather_evidence(
         without_faults.temperature(inputs, coefficients) if changes else temperature
     )
     wrong = shape_errors(before - coefficients["bias"], record, rows)
+    residual = (record["temp_module"] - temperature)[rows]
+    columns = {name: own[name] for name in base} | wrong
+    if early := early_errors(before, record, rows, columns, residual):
+        wrong, columns = wrong | early, columns | early
     evidence = Evidence(
-        {name: own[name] for name in base} | wrong,
-        (record["temp_module"] - temperature)[rows],
+        columns,
+        residual,
         record.dates[rows],
         rows,
         tuple(base),
@@ -382,8 +389,8 @@ def shape_errors(
     air, hour = record["temp_air"], 3600.0 / record.inputs.unit
     over = temperature - air
     slow = relax(np.nan_to_num(over), record.inputs.steps, hour)[rows]
-    # both neighbours: rows that hold the end of each step are early by half a step
-    late = np.gradient(temperature, record.inputs.seconds)
+    steps = np.maximum(record.inputs.steps, 1.0)  # the first has no row before it
+    late = np.diff(temperature, prepend=temperature[:1]) / steps
     over = over[rows]
     columns = {
         "curved": over * np.sqrt(np.abs(over)),
@@ -393,3 +400,26 @@ def shape_errors(
         "air": air[rows] - np.nanmean(air),
     }
     return {f"misfit:{name}": column for name, column in columns.items()}
+
+
+def early_errors(
+    temperature: np.ndarray,
+    record: Record,
+    rows: np.ndarray,
+    others: dict[str, np.ndarray],
+    residual: np.ndarray,
+) -> dict[str, np.ndarray]:
+    """
+    Error of a module temperature at the end of each step, whose irradiance is a mean.
+
+    It is half a step early, by the slope to the next row. Where all columns are means,
+    it is not early, and there is no such error.
+    """
+    steps = np.maximum(record.inputs.steps, 1.0)  # the first has no row before it
+    slope = np.diff(temperature, prepend=temperature[:1]) / steps
+    early = np.nan_to_num(np.append(slope[1:], 0.0)[rows])
+    table = np.column_stack([np.nan_to_num(c) for c in (*others.values(), early)])
+    size = least_squares_coefficients(table, residual[:, None])[-1, 0]
+    if size < EARLY * np.median(steps):
+        return {}
+    return {"misfit:early": early}
