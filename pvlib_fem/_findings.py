@@ -336,14 +336,15 @@ class Finding:
 @dataclass(frozen=True)
 class Correction:
     """
-    A fault of a clock, and what was made of it before any effect was weighed.
+    A fault of a clock or place, and what was made of it before any effect was weighed.
 
     Attributes
     ----------
     fault : str
         ``"clock_shift"``, ``"clock_drift"`` or ``"dst"`` of the module's logger;
         ``"file_shift"``, ``"file_dst"`` or ``"file_jump"`` of the whole file; several
-        of one clock are joined by ``+``.
+        of one clock are joined by ``+``. ``"file_latitude"`` and ``"file_plane"`` are
+        of the place that is given for it.
     columns : tuple of str
         Columns that were re-timed; ``all`` if the whole file was.
     values, stderr : dict
@@ -375,8 +376,14 @@ class Correction:
         """The reason in one line."""
         return str(self.because)
 
+    @property
+    def of_place(self) -> bool:
+        """Whether the given latitude or plane is at fault, and no clock."""
+        return self.fault in ("file_latitude", "file_plane")
+
     def __str__(self) -> str:
         words = "corrected" if self.applied else "not corrected"
-        error = f"{self.before:.2f} → {self.after:.2f} {self.unit}"
-        head = f"{self.fault}: {words}, {error}"
+        head = f"{self.fault}: {words}"
+        if np.isfinite(self.before):
+            head += f", {self.before:.2f} → {self.after:.2f} {self.unit}"
         return "\n".join([head, f"  {self.why}", *(f"  {c}" for c in self.checks)])

@@ -52,7 +52,8 @@ def clock_treatment(loop: "Loop") -> Iterator[Treatment]:
     for one in loop.corrections:
         columns = ", ".join(one.columns)
         words = one.why if one.applied else f"not corrected: {one.why}"
-        yield "clock", columns, shifted_rows(loop, one) if one.applied else 0, words
+        what = "place" if one.of_place else "clock"
+        yield what, columns, shifted_rows(loop, one) if one.applied else 0, words
     rows = loop.reading.get("rows")
     if rows and (lost := rows - loop.fit.summary.rows):
         yield "clock", "all", lost, "left out, since their time is unknown"
