@@ -346,8 +346,9 @@ def screened_frame(
         refused[name] = because(Reason.DOUBTFUL, column=name, doubt=doubt)
     for column, name, evidence in outputs(hidden, [*drivers]):
         options = " ".join(options_of(column, name, drivers.pop(column)))
-        words = {"name": name, "evidence": evidence, "options": options}
-        refused[column] = because(Reason.OUTPUT, column=column, **words)
+        refused[column] = because(
+            Reason.OUTPUT, column=column, name=name, evidence=evidence, options=options
+        )
     whole, still, faults, health = with_answer(
         hidden, faults, health, usual, test, limits
     )
