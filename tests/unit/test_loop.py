@@ -108,7 +108,7 @@ def test_the_report_says_all(two):
     text = loop.report()
     head = text.splitlines()[0]
     assert head.startswith("pvlib_fem: the loop on 200 days at 5 min · 57,600 rows")
-    for words in ("steady", "fem (the paper's form)", "+ sky_radiation", "identified"):
+    for words in ("steady", "fem (the paper's form)", "+ sky_radiation", "ambiguous"):
         assert words in text
     assert "from measured longwave" in " ".join(text.split())  # lines are folded
     assert "not identifiable" in text

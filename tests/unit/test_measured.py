@@ -288,7 +288,7 @@ def test_at_golden_power_shows_snow_and_outages(at_golden):
 def test_at_bolzano_few_events_leave_the_loop_as_it_was(at_bolzano, bolzano):
     assert not {*BY_POWER} & {*at_bolzano.effects}
     low = at_bolzano.events["effect"] == "underperformance"
-    assert (~low).sum() < 4 * 8  # years
+    assert (~low).sum() < 5 * 8  # years
     # in the afternoons of December modules without the sensor are in the shade
     start = at_bolzano.events["start"][low]
     shade = (start.dt.month == 12) & (start.dt.hour == 14)
