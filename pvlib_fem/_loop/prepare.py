@@ -676,7 +676,7 @@ def uncorrected_shift(fault: str, late: float, zone: str) -> Correction:
 def uncorrected(
     name: str,
     fault: str,
-    remedy: str = "look at the given angles and latitude, and at how the sensor stands",
+    remedy: str = "until then effects of the sun on that plane may be wrong",
     error: float = np.nan,
     values: dict[str, float] | None = None,
 ) -> Correction:

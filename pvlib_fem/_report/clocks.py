@@ -36,8 +36,6 @@ def picture_of_clock(correction: Correction, loop: "Loop") -> Picture | None:
         None where no day shows it.
     """
     rows = Rows(loop)
-    if correction.of_place:
-        return None
     if correction.fault.startswith("file"):
         return of_file(rows, correction)
     return of_module(rows, correction)

@@ -50,6 +50,7 @@ def findings_with_pictures(loop: "Loop", statements: pd.DataFrame) -> list[Shown
     items = [
         (one.fault, [picture] if (picture := picture_of_clock(one, loop)) else [])
         for one in loop.corrections
+        if not one.of_place
     ]
     items += [(f.effect, pictures_of(f, loop)) for f in loop.finding_objects if f.added]
     names = {name for name, _ in items}

@@ -57,10 +57,11 @@ class Plane:
         return self.tilt_error, self.azimuth_error
 
     def __str__(self) -> str:
+        azimuth = round(self.surface_azimuth) % 360
         return (
             f"tilt {self.surface_tilt:.0f} ± {self.tilt_error:.0f}°, azimuth "
-            f"{self.surface_azimuth:.0f} ± {self.azimuth_error:.0f}° clockwise from "
-            f"north, by the light of {self.days} clear days"
+            f"{azimuth} ± {self.azimuth_error:.0f}° clockwise from north, by the light "
+            f"of {self.days} clear days"
         )
 
 

@@ -101,6 +101,7 @@ def test_planes_are_two_where_they_part_by_more_than_their_errors():
     assert not found.is_another(30.0, 355.0)
     assert not found.is_another(44.0, 12.0)  # past north
     assert found.is_another(46.0, 355.0) and found.is_another(30.0, 14.0)
+    assert "azimuth 0 ± 6°" in str(Plane(30.0, 359.7, 5.0, 6.0, 40))
 
 
 @pytest.mark.parametrize("turned", [0.0, 16.0])
