@@ -43,7 +43,7 @@ def module_clock(fits: Fits, raw: Step) -> tuple[Fits, Step, Correction | None]:
         return other, step, clock_correction(case.clock, before, after, check)
     note = (
         f"{'; '.join(case.clock.faults.values())}, by the time at which it answers "
-        "irradiance; the error is no smaller with that corrected, so the clock is left"
+        "irradiance; it is not corrected, since the error is no smaller with that"
     )
     case = replace(case, clock=Clock(), notes=(*case.notes, note))
     return Fits(case), raw, None

@@ -372,7 +372,7 @@ def test_a_correction_that_does_not_lower_the_error_is_a_note():
     raw = fits.bases(steady_model("faiman"))["balance"]
     after, step, clock = module_clock(fits, raw)
     assert clock is None and step is raw and not after.case.clock.fault
-    assert "the error is no smaller with that corrected" in after.case.notes[-1]
+    assert "not corrected, since the error is no smaller" in after.case.notes[-1]
     after, step, clock = module_clock(Fits(case), raw)
     assert clock.applied and clock.after < clock.before and clock.checks[0].passed
 
