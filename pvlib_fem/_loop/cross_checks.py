@@ -76,11 +76,11 @@ def log_likelihoods(
             )
             for name, value in expected.items()
         }
+        lit = [n for n in names if choice.members[n].effect.unseen_light]
+        if lit and is_power(one.column):
+            both = likelihoods[OUTSIDE], likelihoods[lit[0]]
+            likelihoods[OUTSIDE] = 0.5 * sum(both)
         for name, likely in likelihoods.items():
-            if name == OUTSIDE and is_power(one.column):
-                lit = (n for n in names if choice.members[n].effect.unseen_light)
-                other = likelihoods[next(lit, OUTSIDE)]
-                likely = 0.5 * (likely + other)
             # an imitation of an effect by this power shows in it, too
             member = choice.top if name == OUTSIDE else choice.members[name]
             if member.effect.settings.get("source") == one.column:

@@ -10,14 +10,15 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
+from pvlib_fem._loop.design import Hours
 from pvlib_fem._loop.leaks import SURE, splines
 from pvlib_fem._record.column_names import DAYLIGHT, is_power
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._record.names import is_own, usual_name
 from pvlib_fem._statistics.clusters import FEWEST_DAYS, calendar_weeks
 from pvlib_fem._statistics.weekly_sums import least_squares_coefficients
+from pvlib_fem.power import BRIGHT
 
-BRIGHT = 100.0  # W/m², above which an inverter's own consumption is little
 MOST = 95.0  # percentile that stands for the most, by day and by night
 DARK = 0.05  # of the most by day: more of it without light is no power of modules
 FACTOR = 2.0  # to the usual ratio of power and irradiance; beyond it is an outage
@@ -41,7 +42,7 @@ def outputs(record: Record, names: Iterable[str]) -> Iterator[tuple[str, str, st
     record : Record
         Screened. Rows without a module temperature are not looked at.
     names : sequence of str
-        Columns of a user's own. Those with a name of the package are left out.
+        Columns of a user's own; a column with a name of the package is skipped.
 
     Yields
     ------
@@ -54,7 +55,13 @@ def outputs(record: Record, names: Iterable[str]) -> Iterator[tuple[str, str, st
         if is_own(column) or not is_dark_at_night(record, column):
             continue
         rows = usual_rows(record, column)
-        power, light, warmth, dates, hours = hourly_means(record, column, rows)
+        cells = Hours.from_record(record, rows)
+        power, light, warmth = (
+            cells.means(record[name][rows])
+            for name in (column, "poa_global", "temp_module")
+        )
+        first = rows[cells.first]
+        dates, hours = record.dates[first], record.index.hour[first]
         if explained(power, light) < HALF or len(np.unique(dates)) < FEWEST_DAYS:
             continue
         name = usual_name(column) or ""
@@ -62,8 +69,8 @@ def outputs(record: Record, names: Iterable[str]) -> Iterator[tuple[str, str, st
         if not is_power(name):
             size = np.abs(power)
             free = size < LIMIT * np.percentile(size, 99.0)
-            cells = hours + 24 * (calendar_weeks(dates) // FORTNIGHT)
-            some = (x[free] for x in (power / light, light, warmth, cells, dates))
+            place = np.asarray(hours) + 24 * (calendar_weeks(dates) // FORTNIGHT)
+            some = (x[free] for x in (power / light, light, warmth, place, dates))
             if not falls(*some):
                 continue
             name, evidence = "power_ac", "it falls with the module temperature"
@@ -99,28 +106,6 @@ def usual_rows(record: Record, name: str) -> np.ndarray:
         return rows[:0]
     near = (ratio / usual > 1.0 / FACTOR) & (ratio / usual < FACTOR)
     return rows[near] if np.mean(near) > HALF else rows[:0]
-
-
-def hourly_means(record: Record, name: str, rows: np.ndarray) -> tuple[np.ndarray, ...]:
-    """
-    Means of a column, irradiance and module temperature in the hours of some rows.
-
-    Parameters
-    ----------
-    record : Record
-    name : str
-    rows : array of int, shape (rows,)
-
-    Returns
-    -------
-    column, light, warmth : array, shape (hours,)
-    dates, hours : array of int, shape (hours,)
-    """
-    columns = [record[n] for n in (name, "poa_global", "temp_module")]
-    hour = record.dates[rows].astype(np.int64) * 24 + record.index.hour[rows]
-    when, of, count = np.unique(hour, return_inverse=True, return_counts=True)
-    means = (np.bincount(of, column[rows], len(when)) / count for column in columns)
-    return (*means, when // 24, when % 24)
 
 
 def explained(column: np.ndarray, light: np.ndarray) -> float:

@@ -142,12 +142,6 @@ def prepared_case(
     limits = criteria.limits
     look, corrections = in_standard_time(data, holdout, look, look_at, limits)
     site, faults = look.site, look.health.faults
-    if "file_shift" in faults:
-        late = look.health.noon.late
-        zone = zone_of_the_sun(look.whole.index, late, site["location"])
-        corrections += (uncorrected_shift(faults["file_shift"], late, zone),)
-    if "file_latitude" in faults:
-        corrections += (uncorrected("file_latitude", faults["file_latitude"], SUNLESS),)
     off, refused = {*OFF_THE_SUN} & {*faults}, look.refused
     if look.filled.horizontal is not None:
         refuse_clock({name: faults[name] for name in off})
@@ -158,10 +152,9 @@ def prepared_case(
         refused = refused | dict.fromkeys(ANGLES, why)
     plane = None if off or site is not look.site else estimated_plane(look, site)
     other = None if off else another_plane(look, site)
+    corrections = (*corrections, *faults_of_place(look, site, other))
     if plane is not None:
         site = site | plane.angles
-    if other is not None:
-        corrections += (uncorrected("file_plane", other_plane_words(other, site)),)
     sun = geometry(look.whole.index[:1], **site)  # what of it is known
     if off:
         refused = refused | dict.fromkeys(sun, because(Reason.OFF_THE_SUN))
@@ -234,6 +227,11 @@ def estimated_plane(look: Look, site: dict[str, Any]) -> Plane | None:
     given = [value for name, value in site.items() if name != "location"]
     if site["location"] is None or any(value is not None for value in given):
         return None
+    return plane_of_light(look, site)
+
+
+def plane_of_light(look: Look, site: dict[str, Any]) -> Plane | None:
+    """The plane that the light of clear days has."""
     whole = look.whole
     return plane_of(whole["poa_global"], whole.index, site["location"], look.late)
 
@@ -274,18 +272,29 @@ def another_plane(look: Look, site: dict[str, Any]) -> Plane | None:
     stated = [site[name] for name in ANGLES]
     if not is_known(site) or any(map(np.ndim, stated)):
         return None
-    whole = look.whole
-    plane = plane_of(whole["poa_global"], whole.index, site["location"], look.late)
+    plane = plane_of_light(look, site)
     return plane if plane is not None and plane.is_another(*stated) else None
 
 
-def other_plane_words(plane: Plane, site: dict[str, Any]) -> str:
-    """That the light is not of the stated plane, and of which it is."""
-    tilt, azimuth = (site[name] for name in ANGLES)
-    return (
-        f"the irradiance is not of the stated plane (tilt {tilt:g}°, azimuth "
-        f"{azimuth:g}°): it has {plane}"
-    )
+def faults_of_place(
+    look: Look, site: dict[str, Any], other: Plane | None
+) -> Iterator[Correction]:
+    """Faults of times or place by the sun, which the user alone can set right."""
+    faults = look.health.faults
+    if fault := faults.get("file_shift"):
+        late = look.health.noon.late
+        zone = zone_of_the_sun(look.whole.index, late, site["location"])
+        yield uncorrected_shift(fault, late, zone)
+    if fault := faults.get("file_latitude"):
+        yield uncorrected("file_latitude", fault, SUNLESS)
+    if other is not None:
+        tilt, azimuth = (site[name] for name in ANGLES)
+        fault = (
+            f"the irradiance is not of the stated plane (tilt {tilt:g}°, azimuth "
+            f"{azimuth:g}°): it has {other}"
+        )
+        remedy = "until then effects of the sun on that plane may be wrong"
+        yield uncorrected("file_plane", fault, remedy)
 
 
 def is_before_the_sun(effect: Effect) -> bool:
@@ -676,7 +685,7 @@ def uncorrected_shift(fault: str, late: float, zone: str) -> Correction:
 def uncorrected(
     name: str,
     fault: str,
-    remedy: str = "until then effects of the sun on that plane may be wrong",
+    remedy: str,
     error: float = np.nan,
     values: dict[str, float] | None = None,
 ) -> Correction:

@@ -389,8 +389,7 @@ def shape_errors(
     air, hour = record["temp_air"], 3600.0 / record.inputs.unit
     over = temperature - air
     slow = relax(np.nan_to_num(over), record.inputs.steps, hour)[rows]
-    steps = np.maximum(record.inputs.steps, 1.0)  # the first has no row before it
-    late = np.diff(temperature, prepend=temperature[:1]) / steps
+    late = slope_from_before(temperature, record)
     over = over[rows]
     columns = {
         "curved": over * np.sqrt(np.abs(over)),
@@ -415,11 +414,20 @@ def early_errors(
     It is half a step early, by the slope to the next row. Where all columns are means,
     it is not early, and there is no such error.
     """
-    steps = np.maximum(record.inputs.steps, 1.0)  # the first has no row before it
-    slope = np.diff(temperature, prepend=temperature[:1]) / steps
-    early = np.nan_to_num(np.append(slope[1:], 0.0)[rows])
+    after = np.append(slope_from_before(temperature, record)[1:], 0.0)
+    early = np.nan_to_num(after[rows])
     table = np.column_stack([np.nan_to_num(c) for c in (*others.values(), early)])
     size = least_squares_coefficients(table, residual[:, None])[-1, 0]
-    if size < EARLY * np.median(steps):
+    if size < EARLY * np.median(unit_steps(record)):
         return {}
     return {"misfit:early": early}
+
+
+def slope_from_before(temperature: np.ndarray, record: Record) -> np.ndarray:
+    """Change of a temperature from the row before, per unit of the record's steps."""
+    return np.diff(temperature, prepend=temperature[:1]) / unit_steps(record)
+
+
+def unit_steps(record: Record) -> np.ndarray:
+    """Steps of a record; the first row has none before it."""
+    return np.maximum(record.inputs.steps, 1.0)

@@ -403,7 +403,7 @@ def refuse_turned(
 
 
 def refuse_mixed(columns: pd.DataFrame) -> None:
-    """Refuse dates beside texts: a sheet makes dates of the texts that it can read."""
+    """Refuse dates with texts: a sheet makes dates of the texts that it can read."""
     for name, column in columns.items():
         if not pd.api.types.is_object_dtype(column):
             continue

@@ -245,7 +245,7 @@ def system_of(row: Mapping[str, Any], labels: Iterable[str], folder: str) -> Sys
     layout: dict[str, Any] = {
         name: layout_field(name, row[name]) for name in LAYOUT if name in row
     }
-    layout_of(layout)  # refuses skip_rows beside skip_lines
+    layout_of(layout)  # refuses skip_rows together with skip_lines
     if "tz" in layout:
         zoned(pd.DatetimeIndex([]), layout["tz"])  # refuses an unknown zone
     reading: dict[str, Any] = {

@@ -158,11 +158,12 @@ class Column:
         return np.minimum((rows + 2) * step, self.limits.stale_air_window)
 
     def improbable(
-        self, clean: CleanRecord, sample: np.ndarray, step: float
+        self, zeros: tuple, clean: CleanRecord, sample: np.ndarray, step: float
     ) -> np.ndarray:
         """
         Lone zeros of a temperature that hardly were measured, as booleans.
 
+        ``zeros`` are their numbers and depths, from :meth:`zeros_within`.
         A temperature has no favourite near 0. So readings other than 0 to which it
         jumped and returned tell how often it did so to 0 itself: they lie up to half
         the depth of a zero from 0, and half as deep as it. There are as many of them
@@ -171,7 +172,7 @@ class Column:
         ``max_accident_share`` may have been measured, and of ``max_accident_rows``
         none. At least ``min_known_values`` readings have to fit in between.
         """
-        _, _, number, depth = self.zeros_within(step)
+        number, depth = zeros
         limits, result = self.limits, np.zeros(len(number), dtype=bool)
         least = resolution(sample)
         for rows in np.unique(number):
@@ -189,13 +190,13 @@ class Column:
                 others += np.bincount(begin, minlength=len(far) + 1)
                 others -= np.bincount(end, minlength=len(far) + 1)
             others = np.cumsum(others)[:-1]
-            zeros = np.searchsorted(far, 2.0 * far, "right")
-            zeros = zeros - np.searchsorted(far, far / 2.0, "left")
-            zeros = zeros / rows
+            seen = np.searchsorted(far, 2.0 * far, "right")
+            seen = seen - np.searchsorted(far, far / 2.0, "left")
+            seen = seen / rows
             expected = (others + 1.0) * least / far
-            sure = (others == 0) | (zeros > limits.max_accident_rows)
+            sure = (others == 0) | (seen > limits.max_accident_rows)
             sure &= far >= limits.min_known_values * least
-            sure &= expected <= limits.max_accident_share * zeros
+            sure &= expected <= limits.max_accident_share * seen
             result[these] = sure
         return result
 

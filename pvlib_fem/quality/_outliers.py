@@ -350,7 +350,7 @@ def lone_zeros(name: str, values: np.ndarray, limits: Limits) -> tuple:
     values : numpy.ndarray, shape (rows,)
         Without NaN.
     limits : Limits
-        Those two, and ``max_accident_rows``, the most zeros that follow each other.
+        Both thresholds, and ``max_accident_rows``, the most zeros in a row.
 
     Returns
     -------
@@ -387,8 +387,8 @@ def returns(values: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
     Returns
     -------
     farthest : numpy.ndarray, shape (n - rows - 1,)
-        Value furthest from 0 of the stretch that begins in the second row, and of
-        those after it, in size; infinite for a stretch that has a 0.
+        Largest value of each stretch without its sign, of the one that begins in the
+        second row first; infinite for a stretch that has a 0.
     depth : numpy.ndarray, shape (n - rows - 1,)
         Distance from the nearer one of the two rows; negative between them.
     """

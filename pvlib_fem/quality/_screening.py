@@ -147,11 +147,12 @@ class Screener:
         """Take zeros out that stand for no value: those around do not lead to them."""
         sample, step, again = self.sampled(), self.look.step, False
         for name, one in self.ruled():
-            rows, times, *_ = one.zeros_within(step)
+            rows, times, number, depth = one.zeros_within(step)
             if not len(rows) or is_switch(sample[name], self.limits):
                 continue
             if name != "poa_global":
-                found = one.improbable(self.clean, sample[name], step)
+                zeros = number, depth
+                found = one.improbable(zeros, self.clean, sample[name], step)
                 rows, times = rows[found], times[found]
             self.note("lone zero", name, rows, times, np.zeros(len(rows)))
             again |= len(rows) > 0

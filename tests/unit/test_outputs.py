@@ -59,7 +59,7 @@ def test_light_and_heat_are_no_outputs(data):
 
 
 def test_a_name_of_power_is_believed_of_what_follows_light(data):
-    """The same of a cooler in kW, which runs by its own hours, is no output."""
+    """A cooler in kW runs by its own hours, so that it is no output."""
     cooler = 3.0 * blocks(np.random.default_rng(2), len(data), 0.3)
     flat = 0.05 * data["poa_global"]
     columns = {"Plant power (kW)": flat, "Cooler power (kW)": cooler}

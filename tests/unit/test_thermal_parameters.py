@@ -552,7 +552,7 @@ def test_ranges_hold_the_truth_of_worlds():
 
 
 def test_a_note_names_the_parameters_of_each_convention_that_have_it():
-    """Those of one step are shorter than it at some winds only."""
+    """Time constants are shorter than the step at some winds only."""
     rough = [
         ("time constant", "at 5 m/s"),
         ("means", "at 1 m/s"),
