@@ -505,7 +505,7 @@ class Loop:
         ``anemometer_stall``), the air's thermometer (``air_offset``,
         ``air_sensor_shield``, ``air_shield``) and the module's (``module_offset``,
         ``module_sensor_contact``). What happens to the module itself, such as
-        ``mounting``, changes no column.
+        ``mounting``, and another ``time_constant`` change no column.
 
         Parameters
         ----------

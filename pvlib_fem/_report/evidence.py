@@ -129,6 +129,19 @@ def temperature_rise(rows: Rows, effect: Effect) -> Picture | None:
     return rows.by_date(series, TEMPERATURE_RISE, caption, seasonal=True)
 
 
+def response_to_light(rows: Rows, effect: Effect) -> Picture | None:
+    """Change of the module's temperature from row to row, per change of irradiance."""
+    record = rows.record
+    poa, over = record["poa_global"], record["temp_module"] - record["temp_air"]
+    change, light = (np.abs(np.diff(one, prepend=np.nan)) for one in (over, poa))
+    series = {"response": rows.daily(poa > BRIGHT, change, light / 1000.0)}
+    caption = (
+        "Change of the module's temperature rise from one row to the next, per change "
+        "of irradiance: the longer the time constant, the smaller it is"
+    )
+    return rows.by_date(series, "response [K m²/kW]", caption, seasonal=True)
+
+
 def at_night(rows: Rows, effect: Effect) -> Picture | None:
     """Temperature of the module over air at night, by date."""
     record = rows.record
@@ -309,6 +322,7 @@ SHOWN = {
     "module_sensor_contact": (sensor_difference("temp_module", True), temperature_rise),
     "mounting": (temperature_rise,),
     "module_offset": (sensor_difference("temp_module", False), at_night),
+    "time_constant": (response_to_light,),
     "temperature_gain": (night_by_air,),
     "season": (temperature_rise,),
     "shading": SUN,

@@ -277,17 +277,37 @@ def of_column(effect: Effect, numbers: Numbers) -> Clause:
     return Clause(effect.column, words, action, **estimate)
 
 
-def mounting(effect: Effect, numbers: Numbers) -> Clause:
+def of_share(
+    effect: Effect, numbers: Numbers, ways: tuple[str, str]
+) -> tuple[Estimate, str, str]:
+    """A share in percent, in words with its way down or up, and what follows these."""
     years = years_to_end(effect)
     estimate = only_size(effect, numbers, SHARE * (years or 1.0))
-    more = "more" if not estimate or estimate["value"] > 0 else "less"
+    way = ways[not estimate or estimate["value"] > 0]
     size, each = in_time(effect, absolute_size(estimate)) if estimate else ("", "")
-    size = f"{size} " if size else ""
     if is_drift(effect) and not years:
         estimate["unit"] = "%/year"
+    return estimate, f"{size} {way}".strip(), each
+
+
+def mounting(effect: Effect, numbers: Numbers) -> Clause:
+    estimate, more, each = of_share(effect, numbers, ("less", "more"))
     action = "Inspect the mounting, and what was built or grew around the modules"
-    words = f"the modules lose {size}{more} heat to the air{each}"
+    words = f"the modules lose {more} heat to the air{each}"
     return Clause("mounting", words, action, **estimate)
+
+
+def time_constant(effect: Effect, numbers: Numbers) -> Clause:
+    estimate, longer, each = of_share(effect, numbers, ("shorter", "longer"))
+    action = (
+        "Check how the module temperature sensor is attached, and the averages and "
+        "clocks of the loggers"
+    )
+    words = (
+        "the measured module temperature follows irradiance with a time constant that "
+        f"is {longer}{each}"
+    )
+    return Clause("module temperature sensor or loggers", words, action, **estimate)
 
 
 def soiling(effect: Effect, numbers: Numbers) -> Clause:
@@ -432,6 +452,7 @@ def tracker_stuck(effect: Effect, numbers: Numbers) -> Clause:
 #: causes whose words have a direction of their own
 SPECIAL = {
     "mounting": mounting,
+    "time_constant": time_constant,
     "soiling": soiling,
     "shading": shading,
     "poa_misalignment": poa_misalignment,

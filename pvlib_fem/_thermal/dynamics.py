@@ -9,6 +9,9 @@ from pvlib_fem._thermal.response import Past, Response
 from pvlib_fem._thermal.steady_models import SteadyModel
 from pvlib_fem.effects._effect import Terms, is_there
 
+#: capacity [J/(m² K)] or time constant [unit of the steps] that is as good as none
+NONE = 1e-6
+
 
 def resistance(
     steady_model: SteadyModel, own: dict, wind: float | np.ndarray, loss: Any
@@ -40,6 +43,11 @@ def resistance(
     share = 1.0 / (1.0 + loss * r_steady)
     share = np.where(share > 0, share, np.nan)
     return r_steady * share, share
+
+
+def at_least_none(memory: float | np.ndarray) -> float | np.ndarray:
+    """A capacity or a time constant, of which an effect takes no more than there is."""
+    return np.maximum(memory, NONE) if np.ndim(memory) else memory
 
 
 def resistance_slopes(
@@ -103,7 +111,8 @@ class Smooth:
     def __init__(
         self, name: str, whole: Any, steps: Any, tau: Any, past: Past, wanted: bool
     ) -> None:
-        self.value, self.by_tau, self.whole = whole, 0.0, whole
+        self.value, self.whole = whole, whole
+        self.source: Any = None
         self.name, self.given = name, (steps, tau, past)
         if np.ndim(whole) == 0:
             return
@@ -115,7 +124,14 @@ class Smooth:
             # slope by the logarithm of tau: the distance that is still to decay
             source = answer.source_by_log_tau("value", smooth, there)
             source /= answer.tau
-            self.by_tau = answer.on_all_rows(answer.solve("by_tau", source))
+            self.source = source
+
+    def slope(self, name: str, by: np.ndarray | float) -> np.ndarray | float:
+        """Slope by what the time constant of each row has a slope by."""
+        if self.source is None:
+            return 0.0
+        source = self.source * self.answer.known_rows(by)
+        return self.answer.on_all_rows(self.answer.solve(name, source))
 
     def part(self, name: str, column: np.ndarray) -> np.ndarray:
         """A part of the column, smoothed; its gaps are those of the whole column."""
@@ -129,6 +145,11 @@ class Smooth:
         )
 
 
+def longer(seconds: np.ndarray, unit: float) -> np.ndarray:
+    """What a capacity adds to a time constant, in units: nothing without wind."""
+    return np.nan_to_num(seconds) / unit
+
+
 def smoothed(
     steady_model: SteadyModel,
     own: dict,
@@ -140,6 +161,9 @@ def smoothed(
 ) -> tuple[np.ndarray, dict]:
     """
     Temperature of the paper's form: the steady model on smoothed heat and wind.
+
+    A capacity that an effect adds is divided by the loss of the steady model and adds
+    to the time constant.
 
     Parameters
     ----------
@@ -165,9 +189,15 @@ def smoothed(
         By parameter of the steady model, by ``tau``, and by name of ``slopes``. [K per
         unit]
     """
-    given = inputs.steps, tau / inputs.unit, past, bool(slopes)
+
+    raw = inputs["wind_speed"]
+    taus: float | np.ndarray = tau / inputs.unit
+    if is_there(added.capacity):
+        r_steady = steady_model.resistance(raw, **own)
+        taus = at_least_none(taus + longer(added.capacity * r_steady, inputs.unit))
+    given = inputs.steps, taus, past, bool(slopes)
     heat = Smooth("heat", added.heat, *given)
-    wind = Smooth("wind", inputs["wind_speed"], *given)
+    wind = Smooth("wind", raw, *given)
     loss = Smooth("loss", added.loss, *given)
     r_eq, share = resistance(steady_model, own, wind.value, loss.value)
     temperature = inputs["temp_air"] + heat.value * r_eq
@@ -175,10 +205,20 @@ def smoothed(
         return temperature, {}
     by_steady, by_loss = resistance_slopes(steady_model, own, wind.value, r_eq, share)
     partials = {name: heat.value * by_steady[name] for name in steady_model.parameters}
-    r_by_tau = by_steady["wind_speed"] * wind.by_tau
-    if is_there(added.loss):
-        r_by_tau = r_by_tau + by_loss * loss.by_tau
-    partials["tau"] = (heat.by_tau * r_eq + heat.value * r_by_tau) / inputs.unit
+
+    def slope_by_tau(name: str, by: float | np.ndarray) -> np.ndarray:
+        """Slope by what the time constants have a slope by."""
+        r_by_tau = by_steady["wind_speed"] * wind.slope(name, by)
+        if is_there(added.loss):
+            r_by_tau = r_by_tau + by_loss * loss.slope(name, by)
+        return heat.slope(name, by) * r_eq + heat.value * r_by_tau
+
+    partials["tau"] = slope_by_tau("tau", 1.0 / inputs.unit)
+    if is_there(added.capacity):
+        for name, slope in steady_model.slopes(raw, **own).items():
+            if name in partials:
+                by = longer(added.capacity * slope, inputs.unit)
+                partials[name] = partials[name] + slope_by_tau(f"tau {name}", by)
     for name, slope in slopes.items():
         partials[name] = 0.0
         if is_there(slope.heat):
@@ -186,6 +226,10 @@ def smoothed(
         if is_there(slope.loss):
             felt = loss.part(name, slope.loss)
             partials[name] = partials[name] + heat.value * by_loss * felt
+        if is_there(slope.capacity):
+            r_steady = steady_model.resistance(raw, **own)
+            by = longer(slope.capacity * r_steady, inputs.unit)
+            partials[name] = partials[name] + slope_by_tau(f"tau {name}", by)
     return temperature, partials
 
 
@@ -225,7 +269,8 @@ def balanced(
     wind = inputs["wind_speed"]
     r_eq, share = resistance(steady_model, own, wind, added.loss)
     target = inputs["temp_air"] + added.heat * r_eq
-    tau = added.capacity / inputs.unit * r_eq
+    capacity = at_least_none(added.capacity)
+    tau = capacity / inputs.unit * r_eq
     answer = Response("balance", target, inputs.steps, tau, past)
     there = answer.known_rows
     target, r_eq = there(target), there(r_eq)
@@ -252,7 +297,7 @@ def balanced(
         if is_there(slope.loss):
             source = source + by_r * by_loss * there(slope.loss)
         if is_there(slope.capacity):
-            source = source + fall * there(slope.capacity / added.capacity)
+            source = source + fall * there(slope.capacity / capacity)
         if np.ndim(source):
             partials[name] = partials[name] + solved(name, source)
     return answer.on_all_rows(temperature), partials

@@ -156,6 +156,11 @@ class ThermalModel:
         wind, own = inputs["wind_speed"], self.steady_coefficients(base)
         loss = 1.0 / self.steady_model.resistance(wind, **own)
         inputs = inputs.having({"temp_base": temperature, "loss_base": loss})
+        if "capacity_base" in needed:
+            capacity = base["tau"] * loss  # of one time constant in any wind
+            if self.dynamics == "balance":
+                capacity = np.full(len(inputs.index), base["capacity"])
+            inputs = inputs.having({"capacity_base": capacity})
         if "air_base" not in needed:
             return inputs
         return inputs.having({"air_base": self.air_base(inputs, base)})
@@ -385,12 +390,14 @@ class ThermalModel:
 
     def longest_time_constant(self, inputs: Inputs, coefficients: dict) -> float:
         """Longest time constant of any row. [s]"""
-        if self.dynamics != "balance":
-            return coefficients.get("tau", 0.0)
         added = self.terms(inputs, coefficients, wanted=False)[0]
         wind, own = inputs["wind_speed"], self.steady_coefficients(coefficients)
-        r_eq, _ = resistance(self.steady_model, own, wind, added.loss)
-        taus = (added.capacity + coefficients["capacity"]) * r_eq
+        if self.dynamics == "balance":
+            r_eq, _ = resistance(self.steady_model, own, wind, added.loss)
+            taus = (added.capacity + coefficients["capacity"]) * r_eq
+        else:
+            r_steady = self.steady_model.resistance(wind, **own)
+            taus = coefficients.get("tau", 0.0) + added.capacity * r_steady
         return float(np.nanmax(taus, initial=0.0))
 
     def with_known_terms(
@@ -519,7 +526,7 @@ def as_read(
 
 def is_share(effect: Effect) -> bool:
     """Whether an effect scales the loss of the model without effects."""
-    shares = {"loss_base", "air_base"}
+    shares = {"loss_base", "air_base", "capacity_base"}
     return bool(effect.sensor_fault and shares & {*underived(effect.drivers)})
 
 

@@ -122,6 +122,7 @@ MODELLED = {
     "temp_base": "Temperature of the module by the model without effects. [°C]",
     "loss_base": "Loss by the model without effects. [W/(m² K)]",
     "air_base": "Heat for each K of warmer air, by the fitted model. [W/(m² K)]",
+    "capacity_base": "Heat capacity by the fitted model. [J/(m² K)]",
 }
 
 

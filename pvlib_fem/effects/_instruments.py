@@ -145,6 +145,24 @@ def module_offset(temp_air: np.ndarray, *, change: float) -> Terms:
     return Terms(offset=change + 0.0 * temp_air)
 
 
+def time_constant(capacity_base: np.ndarray, *, change: float) -> Terms:
+    r"""
+    Additional heat capacity, as a share of the former one.
+
+    .. math::
+
+        \mathrm{capacity} = \mathrm{change} \cdot \mathrm{capacity\_base}
+
+    It is positive if the measured module temperature follows irradiance more slowly
+    than before: its sensor sits in a thicker pad, its logger averages over a longer
+    time, or there is a new mass behind the module. It is negative if irradiance is
+    logged later than before. ``capacity_base`` is the capacity by the model's
+    coefficients, as before the change; of the EWM it is that of its time constant in
+    the wind of each row.
+    """
+    return Terms(capacity=change * capacity_base)
+
+
 #: faults of the weather station, which all modules that share it have in common
 STATION = (
     "irradiance_sensor",
@@ -227,5 +245,13 @@ SENSOR_FAULTS = (
         {"change": Parameter(0.0, -10.0, 10.0, "K")},
         decided_by="a second thermometer at the module",
         confused_with=("an offset of the air's thermometer",),
+    ),
+    Effect(
+        "time_constant",
+        time_constant,
+        {"change": Parameter(0.0, -0.9, 10.0, "-")},
+        decided_by="an inspection of the sensor at the module's back, and the logger's "
+        "settings before and after",
+        confused_with=("thermal_storage", "a clock that is late"),
     ),
 )

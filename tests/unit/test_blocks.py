@@ -255,7 +255,7 @@ def test_some_blocks_are_a_record_with_gaps(kind, dynamics, monkeypatch):
 
 @pytest.mark.parametrize("dynamics", thermal.MEMORY)
 def test_an_effect_on_the_capacity_is_as_with_numpy(dynamics, monkeypatch):
-    """No effect of the catalogue has one, but a user's own may."""
+    """The loops have none, so that a change of the time constant takes NumPy."""
 
     def wet(poa_global, *, more):
         return Terms(capacity=more * (poa_global > 300.0))
@@ -274,6 +274,52 @@ def test_an_effect_on_the_capacity_is_as_with_numpy(dynamics, monkeypatch):
     monkeypatch.setattr(compiled, "LONG", 1)
     for one, other in zip(found(), theirs):
         np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("dynamics", thermal.MEMORY)
+@pytest.mark.parametrize("kind", ["", "uneven missing gaps"])
+def test_slopes_by_a_changed_time_constant_are_central_differences(
+    dynamics, kind, monkeypatch
+):
+    """By its size and by every other coefficient, over blocks of few rows, too."""
+    whole = record(kind)
+    day = str(whole.index[len(whole.index) // 2])[:10]
+    names = "mounting", "time_constant"
+    effects = [find({"name": f"{name}_step", "at": day}) for name in names]
+    model, values = model_of("faiman", dynamics, ())
+    model = replace(model, effects=tuple(effects))
+    values |= {"mounting_step.change": -0.2, "time_constant_step.change": 1.5}
+    inputs = model.with_drivers(whole.inputs)
+    blocks = thermal.blocks
+    monkeypatch.setattr(thermal, "blocks", lambda n, *_: blocks(n, 150))
+    temperature, slopes = model.slopes(inputs, values)
+    for name, row in model.parameters.items():
+        by = 1e-4 * max(abs(values[name]), 0.01 * row.upper)
+        ends = [
+            model.temperature(inputs, {**values, name: values[name] + side})
+            for side in (by, -by)
+        ]
+        central = (ends[0] - ends[1]) / (2.0 * by)
+        known = np.isfinite(temperature)
+        largest = np.abs(central[known]).max()
+        np.testing.assert_allclose(
+            slopes[name][known], central[known], atol=1e-5 * largest, err_msg=name
+        )
+
+
+def test_a_changed_time_constant_of_both_dynamics_is_that_of_another_module():
+    """From some time after its date on, the answer is that of the new module."""
+    whole = record("")
+    effect = find({"name": "time_constant_step", "at": str(whole.index[0])[:10]})
+    for dynamics, name in {"ewm": "tau", "balance": "capacity"}.items():
+        model, values = model_of("faiman", dynamics, ())
+        slower = model.temperature(whole.inputs, {**values, name: 2.5 * values[name]})
+        model = replace(model, effects=(effect,))
+        inputs = model.with_drivers(whole.inputs)
+        changed = model.temperature(
+            inputs, {**values, "time_constant_step.change": 1.5}
+        )
+        np.testing.assert_allclose(changed, slower, rtol=1e-9)
 
 
 @pytest.mark.parametrize("capacity", [3e3, 6e4, 1e6])

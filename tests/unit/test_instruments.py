@@ -31,6 +31,7 @@ SIZES = {
     "air_offset": 1.0,
     "air_sensor_shield": 2.0,
     "module_offset": 1.0,
+    "time_constant": 2.0,
 }
 #: dates amid the record of ``years``
 DATES = {
