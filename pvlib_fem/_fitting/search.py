@@ -141,6 +141,7 @@ def search_stage(
             [one.to_search(one.lower) for one in views],
             [one.to_search(model.parameters[n].upper) for n, one in zip(names, views)],
             flat=flat,
+            positive=[name in MEMORY[model.dynamics] for name in names],
         )
         try:
             x = next(search)

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 STEPS = 60  # Gauss-Newton steps before the search gives up
+MOST_TAKEN = 2.0 / 3.0  # of a positive variable in one step
 HALVINGS = 12
 STACKED = 8  # blocks of columns that are stacked at a time
 BLOCK = 200_000  # multiplications of a product below which BLAS uses one thread
@@ -94,6 +95,7 @@ def descent(
     upper: Sequence | np.ndarray,
     steps: int = STEPS,
     flat: float = FLAT,
+    positive: Sequence | np.ndarray = (),
 ) -> Generator[np.ndarray, Normal, Minimum]:
     """
     Search for the least sum of squares, as a generator.
@@ -115,6 +117,9 @@ def descent(
     flat : float, default 1e-13
         Relative decrease of the sum of squares that ends the search. A last step that
         promises no more than that is taken without evaluation.
+    positive : sequence of bool, length variables, optional
+        Variables of which a step takes two thirds at most, since nothing has a slope
+        by what is nearly 0.
 
     Returns
     -------
@@ -137,7 +142,10 @@ def descent(
     at: Any = None if converged else (yield x)
     before, enough = np.inf, NEXT * flat if flat > FLAT else 0.0
     for _ in range(0 if converged else steps):
-        step = bounded_step(at, lower - x, upper - x)
+        down = lower - x
+        if len(positive):
+            down = np.where(positive, np.maximum(down, -MOST_TAKEN * x), down)
+        step = bounded_step(at, down, upper - x)
         fall = at.fall(step) / max(at.squares, np.finfo(float).tiny)
         next_fall = fall * fall / before if np.isfinite(before) else np.inf
         if 0.0 <= fall <= flat or 0.0 <= next_fall < enough:

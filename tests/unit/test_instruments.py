@@ -200,6 +200,34 @@ def test_a_step_is_found_with_its_date(half_a_year, sensor_fault):
     assert day_number(high) - day_number(low) < 30
 
 
+def test_a_logger_that_begins_to_average_is_no_other_mounting_and_contact():
+    """
+    Both would have to cancel by day to leave only what is late.
+
+    Three quarters of the record are after the change, so the fit without it has the
+    time constant of that part.
+    """
+    data = datasets.synthetic(240, 600, seed=3, noise=0).tz_localize(None)
+    data, _ = with_change(data, noise=0.2)
+    day = "2023-08-01"
+    mean = data["temp_module"].rolling(6, min_periods=1).mean()
+    data["temp_module"] = data["temp_module"].where(data.index < day, mean)
+    loop = closed(data)
+    assert loop.effects == ["time_constant_step"]
+    (effect,) = (e for e in loop.fit.effects if e.sensor_fault)
+    low, high = effect.settings["between"]
+    assert low <= day <= high and day_number(high) - day_number(low) < 10
+    # a mean over six rows is 25 minutes older; the module takes capacity/loss
+    values = loop.fit.coefficients
+    longer = values["time_constant_step.change"] * values["capacity"]
+    loss = values["u0"] + values["u1"] * data["wind_speed"].mean()
+    assert values["capacity"] == pytest.approx(17e3, rel=0.05)
+    assert longer / loss == pytest.approx(25 * 60, rel=0.15)
+    (statement,) = loop.statement_objects
+    assert str(statement).startswith(f"From {effect.settings['at']} ")
+    assert "a time constant that is" in str(statement) and "longer" in str(statement)
+
+
 def test_a_stalled_anemometer_is_not_lost_in_the_shape_of_the_model():
     """From a day on its cups do not turn in winds below 1.8 m/s."""
     data = datasets.synthetic(400, 3600, seed=3, noise=0).tz_localize(None)
