@@ -188,7 +188,7 @@ def obstacle(fault: Any, repair: Repair, coefficients: dict) -> str:
     str
     """
     if repair is None:
-        return "it is no fault of an instrument, so that no column is changed"
+        return "it is no wrong reading of an instrument, so that no column is changed"
     if repair.column == "wind_speed" and not coefficients.get("u1", 0.0) > 0.0:
         return (
             "the loss of this steady model is not proportional to wind; close the loop "

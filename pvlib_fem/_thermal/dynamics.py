@@ -189,7 +189,6 @@ def smoothed(
         By parameter of the steady model, by ``tau``, and by name of ``slopes``. [K per
         unit]
     """
-
     raw = inputs["wind_speed"]
     taus: float | np.ndarray = tau / inputs.unit
     if is_there(added.capacity):
