@@ -92,7 +92,7 @@ def coefficients_of(stored: Stored, key: str, model: ThermalModel) -> dict:
     """The coefficients of a file, checked to be the complete set of the model."""
     coefficients = stored.read(key, dict[str, float])
     least = {*model.parameters}
-    most = {*least, *model.steady_model.fixed}
+    most = {*least, *model.steady_model.constants}
     most |= {"tau"} if model.dynamics == "steady" else set()
     if missing := [name for name in model.parameters if name not in coefficients]:
         raise ValueError(f"{stored.file} has no {stored.place}{key}.{missing[0]}")

@@ -150,6 +150,18 @@ def test_every_dynamics_comes_back(dynamics, tmp_path):
     pd.testing.assert_series_equal(again.predict(data), fit.predict(*usual[:3]))
 
 
+@pytest.mark.parametrize("model", ["pvsyst", "noct_sam"])
+def test_the_constants_of_a_model_come_back(model, tmp_path):
+    """noct_sam has no default of its efficiency, so each of its fits holds one."""
+    data = datasets.synthetic(8, 600, seed=2)
+    fit = fem.fit_fem(data, model=model, fixed={"module_efficiency": 0.18})
+    fit.to_json(tmp_path / "fit.json")
+    again = fem.FemFit.from_json(tmp_path / "fit.json")
+    assert again.fixed == {"module_efficiency": 0.18}
+    assert again.coefficients == fit.coefficients
+    pd.testing.assert_series_equal(again.predict(data), fit.predict(data))
+
+
 def test_deltaT_travels_and_its_want_is_said(loop, files, record):
     """One warning if a cell temperature is needed, and none if deltaT was given."""
     weather = record.drop(columns="temp_module")
