@@ -1,7 +1,8 @@
 """A dynamic cell temperature for ``pvlib.modelchain.ModelChain``."""
 
+import inspect
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Self
 
@@ -21,6 +22,8 @@ from pvlib_fem.types import FilePath
 FIT, LOOP = "pvlib_fem.FemFit", "pvlib_fem.Loop"  # formats of files
 FITS = (FIT, LOOP)  # formats that hold a fit
 CELL = ("deltaT", "k_bs_c")  # from the back of a module to its cells
+#: coefficients that pvlib's PVsyst model takes from ``module_parameters``
+OF_MODULE = ("module_efficiency", "alpha_absorption")
 WEATHER = ("poa_global", "temp_air", "wind_speed")
 #: values that pvlib fills in without a warning if weather has no such column
 FILLED = {"wind_speed": (0.0, "m/s"), "temp_air": (20.0, "°C")}
@@ -43,7 +46,9 @@ class DynamicCellTemperature:
     coefficients : dict, optional
         Coefficients of the model with ``tau`` or ``capacity`` and ``bias``. Without
         them each array's ``temperature_model_parameters`` are used, which may also
-        have ``deltaT``, its ``irrad_ref`` and ``k_bs_c``.
+        have ``deltaT``, its ``irrad_ref`` and ``k_bs_c``. If these have no
+        ``module_efficiency`` or ``alpha_absorption``, those of the array's
+        ``module_parameters`` are used, as in pvlib.
     deltaT : float, default 0
         Cell minus back temperature at 1000 W/m², proportional to the present
         irradiance, as in :func:`pvlib.temperature.sapm_cell`. [K]
@@ -65,6 +70,10 @@ class DynamicCellTemperature:
     pvlib infers a *static* model from keys such as ``u0`` and ``u1`` in an
     array's ``temperature_model_parameters`` when no ``temperature_model`` is
     given.
+
+    In pvlib's chain the efficiency of ``"noct_sam"`` follows the effective irradiance;
+    here it is constant. So even a steady run differs from pvlib's, by some tenths of
+    a kelvin.
 
     References
     ----------
@@ -211,7 +220,7 @@ class DynamicCellTemperature:
         coefficients = self.coefficients
         delta, k_bs_c, reference = self.deltaT, self.k_bs_c, 1000.0
         if coefficients is None:
-            coefficients = dict(array.temperature_model_parameters)
+            coefficients = self.coefficients_of(array)
             if not callable(self.model):
                 delta = coefficients.pop("deltaT", delta)
                 reference = coefficients.pop("irrad_ref", reference)
@@ -236,6 +245,16 @@ class DynamicCellTemperature:
             temperature = temperature + k_bs_c * smoothed
         return temperature
 
+    def coefficients_of(self, array: Any) -> dict:
+        """Parameters of an array's temperature model, completed by its module's."""
+        own, module = array.temperature_model_parameters, array.module_parameters
+        if callable(self.model):
+            known = arguments_of(self.model)
+        else:
+            known = self.thermal.steady_model.coefficients
+        with_it = {n: module[n] for n in OF_MODULE if n in known and n in module}
+        return with_it | dict(own)
+
     @property
     def thermal(self) -> ThermalModel:
         """The thermal model with its effects."""
@@ -255,6 +274,14 @@ class DynamicCellTemperature:
                     f"temperature_model({name}=...)",
                     stacklevel=2,
                 )
+
+
+def arguments_of(model: Any) -> Collection[str]:
+    """Names of the arguments of a callable; none of a compiled function."""
+    try:
+        return [*inspect.signature(model).parameters]
+    except (TypeError, ValueError):
+        return []
 
 
 def fit_in(stored: Stored) -> Stored:

@@ -223,7 +223,7 @@ class ThermalModel:
         complete = self.completed(coefficients)
         steady = self.steady_model
         needed = [*self.parameters, *steady.constants]
-        known = [*needed, *MEMORY["ewm"]]
+        known = dict.fromkeys([*needed, *MEMORY["ewm"]])
         if unknown := [name for name in coefficients if name not in known]:
             raise ValueError(
                 f"{steady.name}, {self.dynamics} has no coefficient "

@@ -136,6 +136,60 @@ def test_steady_coefficients_give_pvlibs_own_cell_temperature(weather):
     )
 
 
+STEADY = {
+    "faiman": {"u0": 20.0, "u1": 5.0},
+    "sapm": {"a": -3.47, "b": -0.0594, "deltaT": 3.0},
+    "pvsyst": {"u_c": 25.0, "u_v": 1.2},
+}
+
+
+@pytest.mark.parametrize("model", STEADY)
+@pytest.mark.parametrize("as_callable", [False, True])
+def test_parameters_of_an_array_mean_what_they_mean_in_pvlib(
+    model, as_callable, weather
+):
+    """PVsyst's model has its efficiency and absorptance with the module."""
+    plant = system(180, parameters=STEADY[model])
+    module = {"module_efficiency": 0.22, "alpha_absorption": 0.88}
+    plant.arrays[0].module_parameters |= module
+    own = chain(plant, model).run_model(weather).results.cell_temperature
+    steady = fem.DynamicCellTemperature(model, "steady")
+    if as_callable:
+        name = model if model == "faiman" else f"{model}_cell"
+        steady = fem.DynamicCellTemperature(getattr(pvlib.temperature, name))
+        plant.arrays[0].temperature_model_parameters["tau"] = 1e-9
+    ours = chain(plant, steady).run_model(weather).results.cell_temperature
+    np.testing.assert_allclose(ours, own, rtol=1e-12)
+
+
+def test_a_parameter_of_the_temperature_model_goes_before_the_modules(weather):
+    parameters = {"u_c": 25.0, "u_v": 1.2, "module_efficiency": 0.15}
+    plant = system(180, parameters=parameters)
+    plant.arrays[0].module_parameters["module_efficiency"] = 0.22
+    steady = fem.DynamicCellTemperature("pvsyst", "steady")
+    results = chain(plant, steady).run_model(weather).results
+    want = pvlib.temperature.pvsyst_cell(
+        results.total_irrad["poa_global"],
+        weather["temp_air"],
+        weather["wind_speed"],
+        **parameters,
+    )
+    np.testing.assert_allclose(results.cell_temperature, want, rtol=1e-12)
+
+
+def test_given_coefficients_keep_the_efficiency_they_were_fitted_with(weather):
+    """A fit of pvsyst has u_c and u_v for its own efficiency, 0.1 by default."""
+    given = {"u_c": 25.0, "u_v": 1.2}
+    cells = []
+    for efficiency in (0.1, 0.22):
+        plant = system(180)
+        plant.arrays[0].module_parameters["module_efficiency"] = efficiency
+        steady = fem.DynamicCellTemperature("pvsyst", "steady", given)
+        results = chain(plant, steady).run_model(weather).results
+        cells.append(results.cell_temperature)
+    pd.testing.assert_series_equal(*cells)
+
+
 def test_a_fit_runs_in_a_chain(weather):
     record = datasets.synthetic(8, seed=2)
     fit = fem.fit_fem(*(record[name] for name in COLUMNS), dynamics="balance")
