@@ -3,7 +3,7 @@
 import inspect
 import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
@@ -14,6 +14,7 @@ from pvlib_fem._relaxation import ewm
 from pvlib_fem._stored import Stored, opened
 from pvlib_fem._thermal.model import ThermalModel, thermal_model
 from pvlib_fem._thermal.model_files import model_of
+from pvlib_fem._thermal.steady_models import steady_model
 from pvlib_fem._thermal.temperature import TAU, fem_temperature, refuse_dynamic
 from pvlib_fem.drivers import sun
 from pvlib_fem.effects import EffectLike, find, several
@@ -110,6 +111,7 @@ class DynamicCellTemperature:
             if not isinstance(getattr(series, "index", None), pd.DatetimeIndex):
                 raise ValueError(f"driver {name} must be a Series with a DatetimeIndex")
         if not callable(model):
+            model = steady_model(model, dict(coefficients or {})).name
             wanted = thermal_model(model, dynamics, map(find, several(effects)))
             effects = wanted.effects
             if coefficients is not None:
@@ -235,7 +237,9 @@ class DynamicCellTemperature:
                 **own,
             )
         else:
-            temperature = self.thermal.predict(
+            named: Any = self.model
+            steady = steady_model(named, coefficients)
+            temperature = replace(self.thermal, steady_model=steady).predict(
                 poa_global, temp_air, wind_speed, coefficients, **own
             )
         if delta:

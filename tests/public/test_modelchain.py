@@ -162,6 +162,20 @@ def test_parameters_of_an_array_mean_what_they_mean_in_pvlib(
     np.testing.assert_allclose(ours, own, rtol=1e-12)
 
 
+def test_ross_takes_a_noct_for_its_k(weather):
+    noct, k = {"noct": 46.0}, {"k": 26.0 / 800.0}
+    runs = [
+        chain(system(180), fem.DynamicCellTemperature("ross", "steady", k)),
+        chain(system(180), fem.DynamicCellTemperature("ross", "steady", noct)),
+        chain(
+            system(180, parameters=noct), fem.DynamicCellTemperature("ross", "steady")
+        ),
+    ]
+    want, *others = (run.run_model(weather).results.cell_temperature for run in runs)
+    for cell in others:
+        np.testing.assert_allclose(cell, want, rtol=1e-12)
+
+
 def test_a_parameter_of_the_temperature_model_goes_before_the_modules(weather):
     parameters = {"u_c": 25.0, "u_v": 1.2, "module_efficiency": 0.15}
     plant = system(180, parameters=parameters)
