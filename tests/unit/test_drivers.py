@@ -65,6 +65,18 @@ def test_the_sun_is_where_pvlib_has_it(latitude, start):
     assert ours.index is index
 
 
+@pytest.mark.parametrize("latitude", [-34.0, 0.0, 52.0])
+def test_the_refracted_sun_is_where_pvlib_has_it(latitude):
+    """Near the horizon the refraction of pvlib's two algorithms differs."""
+    location = Location(latitude, 25.0)
+    index = pd.date_range("2023-12-10", periods=4000, freq="97s", tz="UTC")
+    theirs = location.get_solarposition(index)
+    ours = sun(index, location, refraction=True)["solar_zenith"]
+    apart = (ours - theirs["apparent_zenith"]).abs()
+    above = theirs["zenith"] < 90.0
+    assert apart[above].max() < 0.1 and apart.max() < 0.6
+
+
 def test_few_rows_over_many_years_have_a_sun():
     index = pd.DatetimeIndex(["1990-01-01 12:00", "2050-06-01 12:00"], tz="Etc/GMT+7")
     theirs = SITE.get_solarposition(index)["zenith"]
@@ -77,6 +89,8 @@ def test_few_rows_over_many_years_have_a_sun():
         (None, "Etc/GMT+7"),  # 106° west
         ("US/Central", "Etc/GMT+6"),  # though it is summer time in June
         ("Etc/GMT+8", "Etc/GMT+8"),
+        ("Australia/Sydney", "Etc/GMT-10"),  # where it is summer time in January
+        ("Europe/Dublin", "UTC"),  # where the law calls summer time the standard
     ],
 )
 def test_times_without_a_zone_are_local_standard_time(zone, standard):
