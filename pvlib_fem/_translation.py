@@ -47,12 +47,17 @@ class Shape:
     coefficients: Callable  # (first, second), fixed -> coefficients
     names: tuple
     fixed: dict  # None: must be given
-    clip: float = np.inf  # wind speed beyond which more wind has no influence
+    clip: str = ""  # coefficient: wind speed beyond which more has no influence
     ratio: float | None = None  # second/first where the model fixes it
 
     def resistance(self, wind_speed: float | np.ndarray, coefficients: dict) -> Any:
         first, second = self.line(**coefficients)
-        return self.unbend(first + second * np.minimum(wind_speed, self.clip))
+        seen = np.minimum(wind_speed, self.limit(coefficients))
+        return self.unbend(first + second * seen)
+
+    def limit(self, coefficients: dict) -> float:
+        """Wind speed beyond which more has no influence; infinite without one."""
+        return {**self.fixed, **coefficients}[self.clip] if self.clip else np.inf
 
 
 def pvsyst_coefficients(
@@ -136,11 +141,11 @@ SHAPES = {
     ),
     "wm2": Shape(
         *PLAIN,
-        lambda k, k_w: (k, -k_w),
-        lambda p, q: {"k": p, "k_w": 0.0 - q},
+        lambda k, k_w, wind_speed_max=CLIP: (k, -k_w),
+        lambda p, q, wind_speed_max: {"k": p, "k_w": 0.0 - q},
         ("k", "k_w"),
-        {},
-        clip=CLIP,
+        {"wind_speed_max": CLIP},
+        clip="wind_speed_max",
     ),
     "pvsyst": Shape(
         *LOSS,
@@ -192,18 +197,21 @@ def translate_coefficients(
     **fixed
         Constants of the target: ``module_efficiency`` and ``alpha_absorption`` of
         pvsyst (by default pvlib's 0.1 and 0.9), ``module_efficiency`` (required)
-        and ``transmittance_absorptance`` (0.9) of noct_sam.
+        and ``transmittance_absorptance`` (0.9) of noct_sam, ``wind_speed_max`` of wm2
+        (8 m/s).
 
     Returns
     -------
     dict
-        Coefficients, which unpack into the target's function.
+        Coefficients, which unpack into the target's function. They include its
+        constants, ``wind_speed_max`` only if it is not the default.
 
     Raises
     ------
     ValueError
-        If a name is unknown, a coefficient missing, or the target cannot have that
-        shape (wm2 with ``8·k_w >= k``, a model that wind heats).
+        If a name is unknown, a coefficient missing, the wind speeds are too few, or
+        the target cannot have that shape (wm2 with ``8·k_w >= k``, a model that wind
+        heats).
 
     See Also
     --------
@@ -238,16 +246,20 @@ def translate_coefficients(
     own = {name: v for name, v in coefficients.items() if name not in CARRIED}
     start, own = completed_shape(source, own)
     goal = shape(target)
+    own_limit = source == target and goal.clip and goal.clip not in fixed
+    if own_limit:
+        fixed = {goal.clip: own[goal.clip]}
     fixed = completed_fixed(target, goal, fixed)
-    if source == target and not fixed:
-        return {**own, **carried}
-    winds = USUAL_WINDS if wind_speed is None else np.asarray(wind_speed, float)
+    if source == target and (own_limit or not fixed):
+        return {**without_default(own), **carried}
+    winds = USUAL_WINDS if wind_speed is None else wind_speeds(wind_speed)
+    limit = goal.limit(fixed)
     if method == "calm":
         line = at_calm(start, own, goal)
     elif method == "two_winds":
-        line = at_two_winds(start, own, goal)
+        line = at_two_winds(start, own, goal, limit)
     elif method == "least_squares":
-        line = at_winds(start, own, goal, winds)
+        line = at_winds(start, own, goal, winds, limit)
     else:
         raise ValueError(f"unknown method {method!r}; they are {', '.join(METHODS)}")
     first, second = (float(value) + 0.0 for value in line)  # no -0.0
@@ -263,7 +275,24 @@ def translate_coefficients(
                 f"{method!r} translates {source} {own} into no {target}: {error}; "
                 f"try method={others}"
             ) from error
-    return {**result, **fixed, **carried}
+    return {**result, **without_default(fixed), **carried}
+
+
+def without_default(coefficients: dict) -> dict:
+    """The coefficients without the usual limit of wm2, which its functions know."""
+    usual = coefficients.get("wind_speed_max") == CLIP
+    return {n: v for n, v in coefficients.items() if n != "wind_speed_max" or not usual}
+
+
+def wind_speeds(given: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Checked wind speeds of a user: numbers from 0 m/s."""
+    winds = np.atleast_1d(np.asarray(given, dtype=float))
+    if not len(winds) or not np.isfinite(winds).all() or (winds < 0).any():
+        raise ValueError(
+            f"wind_speed = {given!r} must be one or more numbers of m/s, not negative "
+            "and none of them NaN"
+        )
+    return winds
 
 
 @dataclass(frozen=True)
@@ -312,7 +341,7 @@ def translation_mismatch(
         translated = translate_coefficients(
             coefficients, source, target, method, None, **fixed
         )
-    winds = np.linspace(0, 10, 101) if wind_speed is None else np.asarray(wind_speed)
+    winds = np.linspace(0, 10, 101) if wind_speed is None else wind_speeds(wind_speed)
     difference = np.zeros(winds.shape)
     for name, values, sign in ((target, translated, 1.0), (source, coefficients, -1.0)):
         values = {k: v for k, v in values.items() if k not in CARRIED}
@@ -322,7 +351,7 @@ def translation_mismatch(
     return Mismatch(
         worst=float(difference[worst]),
         rms=float(np.sqrt(np.mean(difference**2))),
-        wind_speed=float(np.atleast_1d(winds)[worst]),
+        wind_speed=float(winds[worst]),
     )
 
 
@@ -376,7 +405,9 @@ def at_calm(start: Shape, own: dict, goal: Shape) -> tuple[float, float]:
     return goal.bend(calm), goal.slope(calm) * fall
 
 
-def at_two_winds(start: Any, own: dict, goal: Shape) -> tuple[float, float]:
+def at_two_winds(
+    start: Any, own: dict, goal: Shape, limit: float = np.inf
+) -> tuple[float, float]:
     """The line of the target that agrees at two winds, or at one if it has no slope."""
     if goal.ratio == 0.0:
         return np.mean(start.resistance(np.array(TWO_WINDS), own)), 0.0
@@ -388,12 +419,18 @@ def at_two_winds(start: Any, own: dict, goal: Shape) -> tuple[float, float]:
         first = (first + second * wind) / (1.0 + goal.ratio * wind)
         return first, goal.ratio * first
     low, high = (goal.bend(start.resistance(wind, own)) for wind in TWO_WINDS)
-    second = (high - low) / (TWO_WINDS[1] - TWO_WINDS[0])
-    return low - second * TWO_WINDS[0], second
+    first, last = (min(wind, limit) for wind in TWO_WINDS)
+    if not first < last:
+        raise ValueError(
+            f"wind_speed_max = {limit:g} m/s must be above {TWO_WINDS[0]:g} m/s, the "
+            "lower of the two winds at which the models agree"
+        )
+    second = (high - low) / (last - first)
+    return low - second * first, second
 
 
 def at_winds(
-    start: Any, own: dict, goal: Shape, winds: np.ndarray
+    start: Any, own: dict, goal: Shape, winds: np.ndarray, limit: float = np.inf
 ) -> np.ndarray | tuple[float, float]:
     """
     The line of the target by least squares of the over-temperature at 1000 W/m².
@@ -408,6 +445,8 @@ def at_winds(
         Target.
     winds : array, shape (winds,)
         Wind speeds that count alike. [m/s]
+    limit : float, optional
+        Wind speed beyond which more has no influence on the target. [m/s]
 
     Returns
     -------
@@ -415,8 +454,8 @@ def at_winds(
         ``first`` and ``second`` of :class:`Shape`, per m/s the latter.
     """
     wanted = start.resistance(winds, own)
-    seen = np.minimum(winds, goal.clip)
-    begin = np.array(at_two_winds(start, own, goal))
+    seen = np.minimum(winds, limit)
+    begin = np.array(at_two_winds(start, own, goal, limit))
     if goal.ratio is not None:
         begin = begin[:1]
 

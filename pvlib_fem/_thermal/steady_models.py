@@ -79,14 +79,14 @@ class SteadyModel:
 
 
 POSITIVE = ("k", "d", "u0", "wind_speed_max", "u_c", "alpha_absorption")
+NUMBERS = (int, float, np.integer, np.floating)
 SHARES = ("module_efficiency", "alpha_absorption", "transmittance_absorptance")
 
 
 def check_values(name: Any, coefficients: dict) -> None:
     """Refuse values at which a steady model has no physical meaning."""
     for key, value in coefficients.items():
-        scalar = np.isscalar(value)
-        if not scalar or np.isnan(value):
+        if not isinstance(value, NUMBERS) or np.isnan(value):
             raise ValueError(f"{name}: {key} = {value!r} must be one number")
         if key in POSITIVE and not value > 0:
             raise ValueError(f"{name}: {key} = {value} must be positive")

@@ -7,7 +7,7 @@ import pvlib
 import pytest
 from pvlib.temperature import GenericLinearModel
 
-from pvlib_fem import translate_coefficients, translation_mismatch
+from pvlib_fem import translate_coefficients, translation_mismatch, wm2
 from pvlib_fem._translation import SHAPES, USUAL_WINDS
 
 ETA, ALPHA = 0.19, 0.88
@@ -198,6 +198,46 @@ def left(own, source, target, method):
         return np.inf
 
 
+SLOW_CLIP = dict(k=0.033, k_w=0.002, wind_speed_max=4.0)
+
+
+@methods
+def test_the_wind_up_to_which_wm2_cools_is_a_constant(method):
+    """As in pvlib_fem.wm2 and in a fit that holds it."""
+    answer = translate_coefficients(SLOW_CLIP, "wm2", "wm2", method)
+    assert answer == SLOW_CLIP
+    for target in ("faiman", "sapm"):
+        there = translate_coefficients(SLOW_CLIP, "wm2", target, method)
+        back = translate_coefficients(there, target, "wm2", method, wind_speed_max=4.0)
+        if method != "least_squares":  # which has no way back
+            assert back == pytest.approx(SLOW_CLIP, rel=1e-8)
+
+
+def test_two_winds_agree_below_and_above_the_limit_of_wm2():
+    wind = np.array([1.4, 5.4])
+    want = 1000.0 * (0.033 - 0.002 * np.minimum(wind, 4.0))
+    faiman = translate_coefficients(SLOW_CLIP, "wm2", "faiman")
+    np.testing.assert_allclose(pvlib.temperature.faiman(1000, 0, wind, **faiman), want)
+    again = translate_coefficients(faiman, "faiman", "wm2", wind_speed_max=4.0)
+    np.testing.assert_allclose(wm2(1000, 0, wind, **again), want)
+
+
+def test_the_mismatch_of_wm2_has_its_own_limit():
+    ross = {"k": 0.03}
+    wind = np.linspace(0, 10, 101)
+    difference = 30.0 - 1000.0 * (0.033 - 0.002 * np.minimum(wind, 4.0))
+    left = translation_mismatch(SLOW_CLIP, "wm2", "ross", translated=ross)
+    assert left.rms == pytest.approx(np.sqrt(np.mean(difference**2)))
+
+
+@pytest.mark.parametrize("wind", [[], [np.nan, 1.0], [-1.0, 2.0]])
+def test_wind_speeds_that_cannot_be_are_refused(wind):
+    faiman = dict(u0=25.0, u1=6.84), "faiman", "sapm", "least_squares"
+    for function in (translate_coefficients, translation_mismatch):
+        with pytest.raises(ValueError, match=r"wind_speed = .* not negative"):
+            function(*faiman, wind_speed=wind)
+
+
 def test_the_memory_and_the_bias_go_along():
     fitted = dict(u0=25.0, u1=3.0, tau=400.0, bias=-2.0)
     answer = translate_coefficients(fitted, "faiman", "sapm")
@@ -219,11 +259,17 @@ def test_the_memory_and_the_bias_go_along():
         (({"k": 0.03}, "ross", "sapm", "windy"), "unknown method 'windy'"),
         (({"k": 0.03, "k_w": 0.01}, "wm2", "sapm"), "k_w·8 must be below k"),
         (({"a": -3.0, "b": 0.1}, "sapm", "faiman"), "gains heat from wind"),
+        (({"u0": "25", "u1": 3.0}, "faiman", "sapm"), "u0 = '25' must be one number"),
     ],
 )
 def test_what_cannot_be_translated_is_refused_by_name(arguments, message):
     with pytest.raises(ValueError, match=message):
         translate_coefficients(*arguments)
+
+
+def test_wm2_needs_two_different_winds():
+    with pytest.raises(ValueError, match=r"wind_speed_max = 1 m/s .* above 1\.4"):
+        translate_coefficients({"k": 0.03}, "ross", "wm2", wind_speed_max=1.0)
 
 
 def test_a_constant_of_another_model_is_refused():
