@@ -67,9 +67,8 @@ class DailyDeviation:
         products = table[:, :, None] * table[:, None, :]
         sums = cluster_sums_of(self.days, products, len(values))
         sums = replace(sums, weeks=sums.weeks * WEEK // MONTH)
-        kept = list(range(len(columns)))
-        sizes = sums.solve(kept) / sums.scale
-        variance = sums.covariance(kept)[-1, -1] / sums.scale[-1] ** 2
+        sizes = sums.solved / sums.scale
+        variance = sums.covariance()[-1, -1] / sums.scale[-1] ** 2
         table = table[:, :-1]
         error = np.sqrt(variance + self.wandering(table))
         return float(sizes[-1]), float(error), values - table @ sizes

@@ -7,7 +7,7 @@ clustered by week.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -69,17 +69,19 @@ class ClusterSums:
         """Sums of some days, by their places."""
         return replace(self, sums=self.sums[days], weeks=self.weeks[days])
 
-    def solve(self, kept: list) -> np.ndarray:
-        """Best coefficients of the kept columns."""
-        return ridged(self.whole[kept][:, kept], self.whole[kept, -1])
+    @cached_property
+    def solved(self) -> np.ndarray:
+        """Best coefficients of all columns."""
+        whole = self.whole[:-1, :-1]
+        return np.linalg.solve(whole + ridge(whole), self.whole[:-1, -1])
 
-    def covariance(self, kept: list) -> np.ndarray:
+    def covariance(self) -> np.ndarray:
         """Covariance of the solution by the jackknife over weeks (CR3)."""
         sums = self.by_cluster
-        normals = submatrices(sums, kept)
+        normals = sums[:, :-1, :-1]
         whole = normals.sum(axis=0)
         inverse = np.linalg.inv(whole + ridge(whole))
-        scores = sums[:, kept, -1] - normals @ self.solve(kept)
+        scores = sums[:, :-1, -1] - normals @ self.solved
         return jackknife_covariance(normals, scores, inverse)
 
     def by_day(self) -> np.ndarray:
@@ -320,22 +322,7 @@ def jackknife_covariance(
     return (len(scores) - 1) / len(scores) * shifts.T @ shifts
 
 
-def ridged(normal: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solution of one or more systems of normal equations."""
-    if right.shape[-1] == 0:
-        return right
-    return np.linalg.solve(normal + ridge(normal), right[..., None])[..., 0]
-
-
 def ridge(normal: np.ndarray) -> np.ndarray:
     """A small ridge that keeps the system regular if a column is zero."""
-    size, count = np.diagonal(normal, axis1=-2, axis2=-1), normal.shape[-1]
-    size = RIDGE * (size + size.sum(axis=-1, keepdims=True) / count)
-    return size[..., None] * identity(count)
-
-
-@lru_cache(maxsize=256)  # thousands of small systems are solved
-def identity(size: int) -> np.ndarray:
-    matrix = np.eye(size)
-    matrix.flags.writeable = False
-    return matrix
+    size = np.diag(normal)
+    return np.diag(RIDGE * (size + size.mean()))

@@ -1,6 +1,6 @@
 """Bounded nonlinear least squares on an exact Jacobian."""
 
-from collections.abc import Callable, Generator, Iterable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -49,16 +49,6 @@ class Normal:
         return float(2.0 * self.gradient @ step - step @ self.normal @ step)
 
 
-def normal(residual: np.ndarray, jacobian: np.ndarray) -> Normal:
-    """The sums of a residual and the matrix of its slopes."""
-    return Normal.from_products(products([*jacobian.T, residual]))
-
-
-def minimum_of(search: Iterable, evaluate: Callable) -> Minimum:
-    """Run a search to its end; ``evaluate`` answers its points."""
-    return minima_of({"": search}, lambda points: {"": evaluate(points[""])})[""]
-
-
 def minima_of(searches: dict, evaluate: Callable) -> dict:
     """
     Run several searches to their ends.
@@ -101,7 +91,7 @@ def descent(
     Search for the least sum of squares, as a generator.
 
     It yields each place, and the caller sends its :class:`Normal`. So several searches
-    can share a pass; :func:`minimum_of` runs one. Every step solves the bounded linear
+    can share a pass, see :func:`minima_of`. Every step solves the bounded linear
     problem on the square root of the small normal matrix, so a step costs one pass over
     the record. The residual is measured minus modelled; the slopes are those of the
     model.

@@ -34,10 +34,10 @@ def summed(rows):
 
 def test_the_solution_is_least_squares(rows):
     columns, residual, _ = rows
-    sums = summed(rows)
     kept = [0, 2, 3]
+    sums = summed(rows).of_columns(kept)
     want = np.linalg.lstsq(columns[:, kept], residual, rcond=None)[0]
-    np.testing.assert_allclose(sums.solve(kept) / sums.scale[kept], want, rtol=1e-6)
+    np.testing.assert_allclose(sums.solved / sums.scale, want, rtol=1e-6)
 
 
 def test_errors_are_those_of_weeks_left_out(rows):
@@ -45,8 +45,8 @@ def test_errors_are_those_of_weeks_left_out(rows):
     kept = [0, 1, 3]
     x = columns[:, kept]
     left = residual - x @ np.linalg.lstsq(x, residual, rcond=None)[0]
-    sums = summed(rows)
-    found = sums.covariance(kept) / np.outer(sums.scale[kept], sums.scale[kept])
+    sums = summed(rows).of_columns(kept)
+    found = sums.covariance() / np.outer(sums.scale, sums.scale)
     np.testing.assert_allclose(
         found, cluster_sums(list(x.T), left, (dates + 3) // 7).by_day(), rtol=1e-5
     )

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from pvlib_fem._statistics.clusters import cluster_sums
-from pvlib_fem._statistics.leastsquares import descent, minima_of, minimum_of, normal
+from pvlib_fem._statistics.leastsquares import Normal, descent, minima_of, products
 
 # NIST StRD, Misra1a (nonlinear regression, lower difficulty), certified values
 MISRA_Y = [10.07, 14.73, 17.94, 23.93, 29.61, 35.18, 40.02, 44.82, 50.76, 55.05]
@@ -14,6 +14,16 @@ MISRA_X = [77.6, 114.9, 141.1, 190.8, 239.9, 289.0, 332.8, 378.4, 434.8, 477.3]
 MISRA_X = np.array([*MISRA_X, 536.8, 593.1, 689.1, 760.0])
 CERTIFIED = [2.3894212918e2, 5.5015643181e-4]
 CERTIFIED_SQUARES = 1.2455138894e-1
+
+
+def normal(residual, jacobian):
+    """The sums of a residual and the matrix of its slopes."""
+    return Normal.from_products(products([*jacobian.T, residual]))
+
+
+def minimum_of(search, evaluate):
+    """The end of one search, whose points a function answers."""
+    return minima_of({"": search}, lambda points: {"": evaluate(points[""])})[""]
 
 
 def misra(b):

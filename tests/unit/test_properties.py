@@ -14,10 +14,11 @@ import pvlib
 import pytest
 from hypothesis import assume, given, strategies as st
 from numpy.testing import assert_allclose
+from test_leastsquares import minimum_of, normal
 
 import pvlib_fem as fem
 from pvlib_fem import layers, scores
-from pvlib_fem._statistics.leastsquares import descent, minimum_of, normal
+from pvlib_fem._statistics.leastsquares import descent
 
 #: over-temperature per irradiance, as pvlib and the paper write it
 LAWS = {
