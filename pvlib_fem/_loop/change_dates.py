@@ -168,51 +168,30 @@ class Scan:
         low, high = ratios[order[np.searchsorted(share, [0.05, 0.95])]]
         return min(float(low), 1.0), max(float(high), 1.0)
 
+    def first_days(self, change: "Changed", errors: float) -> Effect:
+        """
+        The change with the days between which it may have begun.
 
-def first_days(
-    design: "Design",
-    change: "Changed",
-    given: Sequence["Column"],
-    side: int,
-    errors: float,
-) -> Effect:
-    """
-    The change with the days between which it may have begun.
-
-    Parameters
-    ----------
-    design : Design
-    change : Changed
-        With its dates.
-    given : sequence of int or Changed
-        Columns given which it is there.
-    side : int
-        Days with rows that there have to be on both sides of a date.
-    errors : float
-        Standard errors by which its size differs from nothing.
-
-    Returns
-    -------
-    Effect
-    """
-    effect, dates, days = change.effect, change.effect.settings, design.dates
-    if not {"at", "start"} & {*dates}:
-        return effect
-    sums = Scan.from_design(design, given, side).sums(change.place)
-    falls_of = sums.linear if is_drift(effect) else sums.constant
-    best, last = places_in(days, effect)
-    starts = np.arange(1, max(last, 2))
-    falls = falls_of(starts, np.full(len(starts), last))
-    most = max(falls[min(max(best - 1, 0), len(falls) - 1)], 1e-12)
-    # the difference to the best date's part, in standard errors of that part
-    worse = (1.0 - falls / most) * min(errors, MOST_SURE) ** 2
-    good = np.append(starts[worse <= LIKELY], best)
-    # the days with rows around a date may not be neighbours
-    between = [
-        date_text(days[good.min() - 1] + 1),
-        date_text(days[min(good.max(), len(days) - 1)]),
-    ]
-    return effect.make(**{**dates, "between": between})
+        By ``errors`` standard errors its size differs from nothing.
+        """
+        effect, dates, days = change.effect, change.effect.settings, self.design.dates
+        if not {"at", "start"} & {*dates}:
+            return effect
+        sums = self.sums(change.place)
+        falls_of = sums.linear if is_drift(effect) else sums.constant
+        best, last = places_in(days, effect)
+        starts = np.arange(1, max(last, 2))
+        falls = falls_of(starts, np.full(len(starts), last))
+        most = max(falls[min(max(best - 1, 0), len(falls) - 1)], 1e-12)
+        # the difference to the best date's part, in standard errors of that part
+        worse = (1.0 - falls / most) * min(errors, MOST_SURE) ** 2
+        good = np.append(starts[worse <= LIKELY], best)
+        # the days with rows around a date may not be neighbours
+        between = [
+            date_text(days[good.min() - 1] + 1),
+            date_text(days[min(good.max(), len(days) - 1)]),
+        ]
+        return effect.make(**{**dates, "between": between})
 
 
 def places_in(days: np.ndarray, effect: Effect) -> tuple[int, int]:

@@ -4,12 +4,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
+import numpy as np
 import pandas as pd
 from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem._findings import CORRECTED, Check, Correction, Finding, Verdict
-from pvlib_fem._fitting.parquet_fit import in_files
+from pvlib_fem._fitting.parquet_fit import given_days, in_files
 from pvlib_fem._fitting.stand_ins import stand_in_names
 from pvlib_fem._former_names import arguments_in_new_names, keys_in_new_names
 from pvlib_fem._loop.assemble import loop_of_search
@@ -24,7 +25,7 @@ from pvlib_fem._loop.leaks import leaks
 from pvlib_fem._loop.loop_files import Reading
 from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.noise import with_outside
-from pvlib_fem._loop.parquet_loop import OwnSteps, in_means, on_days
+from pvlib_fem._loop.parquet_loop import OwnSteps, in_means
 from pvlib_fem._loop.planes import with_given
 from pvlib_fem._loop.prepare import is_before_the_sun, prepared_case
 from pvlib_fem._loop.progress import stage_reporter
@@ -35,6 +36,7 @@ from pvlib_fem._loop.selection import Choice, Selection, selected
 from pvlib_fem._loop.standstill_edges import by_power, edge_weeks
 from pvlib_fem._loop.tangents import Evidence
 from pvlib_fem._loop.threads import one_blas_thread
+from pvlib_fem._record.checks import dates_of
 from pvlib_fem._record.column_names import printable, with_aliases
 from pvlib_fem._record.parquet import ParquetRecord, as_source, is_data_set
 from pvlib_fem._spelling import written_argument
@@ -248,7 +250,8 @@ def finished_search(
             frame, screened = in_means(in_files(source, plain), criteria)
             own = OwnSteps(screened)
             if how["holdout"] is not None:
-                how["holdout"] = on_days(how["holdout"], frame.index)
+                days = np.isin(dates_of(frame.index), given_days(how["holdout"]))
+                how["holdout"] = pd.Series(days, frame.index)
         else:  # anything but a frame is refused below
             frame = cast(pd.DataFrame, data)
         others = stand_in_names(instead.stand_ins)
@@ -462,12 +465,13 @@ class Search:
 
     def leave_out_leaks(self, base: Step) -> None:
         """Drop columns of the user's own that hold the answer."""
-        case, limits = self.case, self.case.criteria
+        case = self.case
         own = {e.column: e for e in case.wanted if e.column}
         if not own:
             return
         temperature = base.model.temperature(case.record.inputs, base.coefficients)
-        for name in leaks(case.record, case.searched, temperature, list(own), limits):
+        least = case.criteria.min_leak_difference
+        for name in leaks(case.record, case.searched, temperature, list(own), least):
             effect = own[name]
             self.untestable[effect.name] = because(Reason.LEAK, column=name)
             case = case.without(effect)

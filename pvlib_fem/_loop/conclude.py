@@ -62,7 +62,7 @@ def finding_of(
     Finding
     """
     limits = case.criteria
-    credible = credible_names(choice, limits.min_probability)
+    credible = choice.credible_names(limits.min_probability)
     names = (effect.name, *(n for n in credible if n not in (effect.name, OUTSIDE)))
     score, gain = choice.scores[effect.name], float(np.sqrt(choice.fall))
     outside = choice.probabilities[OUTSIDE]
@@ -137,30 +137,6 @@ def too_short(case: "Case") -> tuple[Check, Because]:
     days, least = case.days, case.criteria.min_days
     check = Check("days", "min_days", days, least)
     return check, because(Reason.TOO_SHORT, days=days, least=least)
-
-
-def credible_names(choice: "Choice", probability: float) -> list[str]:
-    """
-    Names of the smallest set of members that holds a probability.
-
-    Parameters
-    ----------
-    choice : Choice
-        With the probabilities of its members, and of a cause outside.
-    probability : float
-
-    Returns
-    -------
-    list of str
-        The most probable first.
-    """
-    names, total = [], 0.0
-    for name, share in choice.probabilities.items():
-        names.append(name)
-        total += share
-        if total >= probability:
-            break
-    return names
 
 
 def member_of(choice: "Choice", name: str, criteria: Criteria) -> Member:

@@ -76,18 +76,7 @@ Column = int | Changed
 
 
 def place_of(column: Column) -> int:
-    """
-    Place in the design of a column, or of the one that a change is a part of.
-
-    Parameters
-    ----------
-    column : int or Changed
-        A column of the design, or one times the weights of a change.
-
-    Returns
-    -------
-    int
-    """
+    """Place in the design of a column, or of the one that a change is a part of."""
     return column if isinstance(column, int) else column.place
 
 

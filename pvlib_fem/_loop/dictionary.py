@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import gammaln
 
 from pvlib_fem._loop.change_dates import Scan, number_of_dates
-from pvlib_fem._loop.design import Changed, Column, Design, columns_of, place_of
+from pvlib_fem._loop.design import Changed, Column, Design, columns_of
 from pvlib_fem.effects._effect import Effect, Parameter
 from pvlib_fem.effects._time_profiles import time_profile_of
 
@@ -54,7 +54,7 @@ class Candidate:
         rows = self.effect.rows()
         if self.effect.sensor_fault:
             return rows
-        names = [design.names[place_of(column)] for column in self.columns]
+        names = [design.names[one] for one in self.columns if isinstance(one, int)]
         return {name: rows[name] for name in names}
 
     def existence(

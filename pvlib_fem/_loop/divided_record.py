@@ -122,38 +122,23 @@ class Case:
         drivers = tuple(name for name in self.drivers if name not in effect.drivers)
         return replace(self, wanted=wanted, drivers=drivers)
 
+    def divided(self, whole: Record) -> "Case":
+        """The case with this record of the same rows, and its coarse steps."""
+        seen = self.seen & counted(whole.inputs.columns, with_night=True)
+        short = whole
+        if whole.inputs.seconds[-1] > 0:
+            hidden = whole.lacking({"temp_module": self.held_out})
+            short = coarse(hidden, self.criteria.search_step, STEP_PRESENT)
+            short = whole if short is hidden else short
+        # the sun is where it is, and nothing is averaged over a horizon
+        record = self.placed(short)
+        whole = record if short is whole else whole
+        return replace(self, whole=whole, record=record, seen=seen)
+
     def corrected(self) -> "Case":
         """The case with the module's record re-timed."""
         whole, seconds = self.whole, self.whole.inputs.seconds
         moved = by_module_logger(
             whole.inputs.columns, lambda column: self.clock.corrected(seconds, column)
         )
-        return divided_case(whole.having(moved), replace(self, clock=Clock()))
-
-
-def divided_case(whole: Record, case: Case) -> Case:
-    """
-    The case with this record and its coarse steps.
-
-    Parameters
-    ----------
-    whole : Record
-        On its own steps.
-    case : Case
-        Of the same rows; ``record`` and ``whole`` are replaced.
-
-    Returns
-    -------
-    Case
-    """
-    limits = case.criteria
-    seen = case.seen & counted(whole.inputs.columns, with_night=True)
-    short = whole
-    if whole.inputs.seconds[-1] > 0:
-        hidden = whole.lacking({"temp_module": case.held_out})
-        short = coarse(hidden, limits.search_step, STEP_PRESENT)
-        short = whole if short is hidden else short
-    # the sun is where it is, and nothing is averaged over a horizon
-    record = case.placed(short)
-    whole = record if short is whole else whole
-    return replace(case, whole=whole, record=record, seen=seen)
+        return replace(self, clock=Clock()).divided(whole.having(moved))

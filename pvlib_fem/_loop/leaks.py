@@ -10,7 +10,6 @@ depends on `M`, its coefficient of `r` is more: of what it adds to `T`, most is 
 """
 
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,9 +18,6 @@ from pvlib_fem._record.inputs import Record
 from pvlib_fem._relaxation import relax
 from pvlib_fem._statistics.clusters import FEWEST_DAYS, FOLDS, days_of_folds
 from pvlib_fem._statistics.weekly_sums import least_squares_coefficients
-
-if TYPE_CHECKING:
-    from pvlib_fem._loop.criteria import Criteria
 
 SURE = 3.0  # standard errors between days by which one description has to be better
 SOME = 20_000  # rows that are enough to compare columns
@@ -44,7 +40,7 @@ def leaks(
     seen: np.ndarray,
     modelled: np.ndarray,
     names: Iterable[str],
-    criteria: "Criteria",
+    least: float,
 ) -> Iterator[str]:
     """
     Columns that are the module temperature, or made from it.
@@ -65,7 +61,8 @@ def leaks(
     modelled : array, shape (rows,)
         Temperature of the module by the model without effects. [°C]
     names : sequence of str
-    criteria : Criteria
+    least : float
+        ``min_leak_difference`` of the criteria. [-]
 
     Yields
     ------
@@ -88,7 +85,7 @@ def leaks(
         column = record[name]
         some = (np.isfinite(column) & ~resting_rows(column, record["poa_global"]))[rows]
         parts = (part[some] for part in (usual, whole, model, dates))
-        if is_one_piece(column[rows][some], *parts, most=criteria.min_leak_difference):
+        if is_one_piece(column[rows][some], *parts, most=least):
             yield name
 
 

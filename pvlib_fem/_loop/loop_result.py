@@ -21,7 +21,7 @@ from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.loop_files import Reading, loop_content, loop_parts
 from pvlib_fem._loop.planes import is_same_plane, with_series
-from pvlib_fem._loop.predicted_patterns import Pattern, behind_patterns, errors_by
+from pvlib_fem._loop.predicted_patterns import Pattern, drivers_of, errors_by
 from pvlib_fem._modelchain import LOOP, DynamicCellTemperature
 from pvlib_fem._record.column_names import (
     COLUMNS,
@@ -34,7 +34,7 @@ from pvlib_fem._statements.statement import Statement, as_table
 from pvlib_fem._statements.worth import energies
 from pvlib_fem._stored import opened, saved, written
 from pvlib_fem._thermal.model import ThermalModel
-from pvlib_fem.drivers import checked_place, geometry
+from pvlib_fem.drivers import checked_place, geometry, underived
 from pvlib_fem.drivers._mounts import (
     ANGLES,
     PLANE,
@@ -419,7 +419,7 @@ class Loop:
         self, data: pd.DataFrame, fallback: bool = False, **place: Any
     ) -> pd.DataFrame:
         """Error by each unexplained pattern at the times of ``data``. [K]"""
-        wanted = [*COLUMNS[:3], *behind_patterns(self.patterns)]
+        wanted = [*COLUMNS[:3], *underived(drivers_of(self.patterns))]
         usual, drivers = self.inputs(data, wanted, **place)
         columns = dict(zip(COLUMNS, usual)) | drivers
         return errors_by(self.patterns, columns, fallback)

@@ -20,7 +20,6 @@ from pvlib_fem._statistics.tables import (
     Cells,
     Table,
     cell_numbers,
-    group_means,
     largest_table,
 )
 from pvlib_fem._statistics.weekly_sums import LeastSquares, products
@@ -251,6 +250,12 @@ def density(distance: float, width: float) -> float:
     float
     """
     return max(float(np.exp(-0.5 * (distance / width) ** 2) / width), TINY)
+
+
+def group_means(groups: np.ndarray, rows: np.ndarray) -> Means:
+    """A function from values, each the mean of some rows, to the mean of its group."""
+    count = np.maximum(np.bincount(groups, rows), 1.0)
+    return lambda values: (np.bincount(groups, values * rows) / count)[groups]
 
 
 @dataclass(eq=False)

@@ -126,20 +126,9 @@ def falls(
     Whether power per light surely falls with temperature, as that of modules does.
 
     Hours of one light and one place of the sun are compared, which wind and air make
-    warmer or colder.
-
-    Parameters
-    ----------
-    ratio : array, shape (hours,)
-        Power per light, in any unit, of one sign.
-    light, warmth : array, shape (hours,)
-        Irradiance and module temperature. [W/m², °C]
-    cells, dates : array of int, shape (hours,)
-        Hours with one number have nearly one place of the sun. Errors are of days.
-
-    Returns
-    -------
-    bool
+    warmer or colder. ``ratio`` is power per light [any unit], ``warmth`` the module
+    temperature. Hours with one number in ``cells`` have nearly one place of the sun.
+    Errors are of days.
     """
     if len(np.unique(dates)) < FEWEST_DAYS:
         return False

@@ -9,7 +9,7 @@ import pandas as pd
 from pvlib.pvsystem import SingleAxisTrackerMount
 
 from pvlib_fem._findings import Check, Finding
-from pvlib_fem._fitting.parquet_fit import FileFit, fit_in_files, given_days
+from pvlib_fem._fitting.parquet_fit import FileFit, fit_in_files
 from pvlib_fem._fitting.parquet_rows import first_pass
 from pvlib_fem._loop.conclude import check_of_bounds
 from pvlib_fem._loop.criteria import Criteria
@@ -68,30 +68,6 @@ def in_means(
         sums.add(block.index, block.inputs.columns)
     means = sums.inputs()
     return means.frame().drop(columns=[*source.absent]), screened
-
-
-def on_days(holdout: pd.Series, index: pd.Index) -> pd.Series:
-    """
-    Rows on the days that a user chose.
-
-    Parameters
-    ----------
-    holdout : Series of bool
-        True on these days, indexed by days.
-    index : DatetimeIndex, length rows
-        Times of the rows.
-
-    Returns
-    -------
-    Series of bool, length rows
-
-    Raises
-    ------
-    ValueError
-        If the choice is not of whole days.
-    """
-    dates = given_days(holdout)
-    return pd.Series(np.isin(dates_of(index), dates), index)
 
 
 @dataclass(eq=False)

@@ -96,22 +96,6 @@ def drivers_of(patterns: tuple[Pattern, ...]) -> list[str]:
     return list(dict.fromkeys(name for one in patterns for name in one.drivers))
 
 
-def behind_patterns(patterns: tuple[Pattern, ...]) -> list[str]:
-    """
-    Measured columns and angles that some patterns need.
-
-    Parameters
-    ----------
-    patterns : tuple of Pattern
-        Unexplained patterns of a loop.
-
-    Returns
-    -------
-    list of str
-    """
-    return underived(drivers_of(patterns))
-
-
 def errors_by(
     patterns: tuple[Pattern, ...],
     columns: Mapping[str, pd.Series | None],
@@ -144,7 +128,7 @@ def errors_by(
         patterns = tuple(
             one for one in patterns if {*underived(one.drivers)} <= {*there}
         )
-    if lacking := [n for n in behind_patterns(patterns) if n not in there]:
+    if lacking := [n for n in underived(drivers_of(patterns)) if n not in there]:
         raise ValueError(
             f"{no_columns(lacking)}, which unexplained patterns of this loop depend "
             f"on; give {'it' if len(lacking) == 1 else 'them'}, or patterns=False for "

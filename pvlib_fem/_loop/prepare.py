@@ -12,7 +12,7 @@ from pvlib.location import Location
 from pvlib_fem._findings import Check, Correction
 from pvlib_fem._fitting.horizontal import refuse_clock
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.divided_record import Case, divided_case
+from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.outputs import outputs
 from pvlib_fem._loop.planes import plane_of_columns
 from pvlib_fem._loop.replacements import NOTHING, Filled, Replacements
@@ -206,7 +206,7 @@ def prepared_case(
         standings=standings,
         detachments=look.detachments,
     )
-    return divided_case(whole, case)
+    return case.divided(whole)
 
 
 def fixed_light(look: Look, site: dict[str, Any]) -> tuple[float, float] | None:

@@ -1,6 +1,8 @@
 """Unexplained but repeatable patterns: tables of the residual of the last step."""
 
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,9 +12,9 @@ from pvlib_fem._loop.design import Hours
 from pvlib_fem._loop.predicted_patterns import Pattern, drivers_of
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, is_power
 from pvlib_fem._record.inputs import Record
-from pvlib_fem._statistics.axes import PAST, SINCE_RAIN, axes, calendar_of
+from pvlib_fem._statistics.axes import PAST, SINCE_RAIN, Axis, axes, calendar_of
 from pvlib_fem._statistics.clusters import week_numbers
-from pvlib_fem._statistics.tables import Cells, Table, axes_and_pairs, largest_table
+from pvlib_fem._statistics.tables import Cells, Table, largest_table
 from pvlib_fem.drivers import derive_drivers, underived
 from pvlib_fem.reasons import Reason, because
 
@@ -78,6 +80,11 @@ def repeated_tables(fits: "Fits", step: "Step", least: float) -> list[Table]:
                 tables[i] = cells[i].table(rest)
                 rest = rest - tables[i].values
     return tables
+
+
+def axes_and_pairs(axes: Sequence[Axis]) -> list[tuple[Axis, ...]]:
+    """Each axis, and each pair of axes."""
+    return [*((one,) for one in axes), *combinations(axes, 2)]
 
 
 def places_of(

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pvlib_fem._loop.change_dates import Scan, first_days, number_of_dates
+from pvlib_fem._loop.change_dates import Scan, number_of_dates
 from pvlib_fem._loop.change_sums import PROFILE_ERROR, UNSEEN, dates_cost
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.design import Column, Design, columns_of
@@ -99,6 +99,16 @@ class Choice:
         """Name of the most probable member that is no other choice."""
         free = [name for name in self.members if name not in self.taken]
         return max(free, key=self.probabilities.__getitem__)
+
+    def credible_names(self, probability: float) -> list[str]:
+        """Names of the smallest set, with the outside, that holds a probability."""
+        names, total = [], 0.0
+        for name, share in self.probabilities.items():
+            names.append(name)
+            total += share
+            if total >= probability:
+                break
+        return names
 
     @property
     def as_first(self) -> "Choice":
@@ -305,9 +315,11 @@ class Selection:
         one, score = choice.members[name], choice.scores[name]
         if not one.effect.sensor_fault:
             return one.effect
-        side = self.criteria.min_days_each_side
-        errors = score.z_score
-        return first_days(self.design, one.change, given, side, errors)
+        return self.scan(given).first_days(one.change, score.z_score)
+
+    def scan(self, given: Sequence[Column]) -> Scan:
+        """The search for dates given some columns."""
+        return Scan.from_design(self.design, given, self.criteria.min_days_each_side)
 
     def given(self, choices: Iterable[Choice]) -> list[Column]:
         """Columns of the base and of some choices."""
@@ -478,7 +490,7 @@ class Selection:
         faults = [one for one in choice.members.values() if one.effect.sensor_fault]
         if not faults:
             return {}
-        scan = Scan.from_design(self.design, given, self.criteria.min_days_each_side)
+        scan = self.scan(given)
         return {
             one.name: scan.sizes_over_dates(one.change, choice.scores[one.name].z_score)
             for one in faults

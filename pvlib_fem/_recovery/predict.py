@@ -7,7 +7,7 @@ import numpy as np
 
 from pvlib_fem._findings import OUTSIDE
 from pvlib_fem._loop.close import Round
-from pvlib_fem._loop.conclude import HALF, credible_names
+from pvlib_fem._loop.conclude import HALF
 from pvlib_fem._loop.cross_checks import log_likelihoods
 from pvlib_fem._loop.design import Changed, Column, Design, columns_of
 from pvlib_fem._loop.dictionary import Candidate
@@ -161,7 +161,7 @@ class Look:
             given = selection.given(others)
             logs = log_likelihoods(references, choice, self.coefficients)
             choice = with_outside(design, choice, given, limits, logs)
-            if self.one.name in credible_names(choice, limits.min_probability):
+            if self.one.name in choice.credible_names(limits.min_probability):
                 known = choice.probabilities[OUTSIDE] <= HALF
                 return known or self.one.effect.unseen_light
         return False

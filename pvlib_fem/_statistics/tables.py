@@ -6,10 +6,8 @@ between cells is estimated from products of different weeks in the same cell, so
 error of one week alone does not contribute.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import combinations
 
 import numpy as np
 
@@ -140,26 +138,6 @@ class Cells:
         )
 
 
-def group_means(groups: np.ndarray, rows: np.ndarray) -> Callable:
-    """
-    A function from values, each the mean of some rows, to the mean of its group.
-
-    Parameters
-    ----------
-    groups : array of int, shape (values,)
-        Group of each value, from 0.
-    rows : array, shape (values,)
-        Number of rows behind each value.
-
-    Returns
-    -------
-    callable
-        Takes an array and returns an array, both of shape (values,).
-    """
-    count = np.maximum(np.bincount(groups, rows), 1.0)
-    return lambda values: (np.bincount(groups, values * rows) / count)[groups]
-
-
 def cell_numbers(axes: tuple) -> tuple[np.ndarray, int]:
     """
     Number of each value's cell on one or two axes, and the number of cells.
@@ -181,23 +159,6 @@ def cell_numbers(axes: tuple) -> tuple[np.ndarray, int]:
     one, two = axes
     wide = len(two.labels)
     return one.bins * wide + two.bins, len(one.labels) * wide
-
-
-def axes_and_pairs(axes: list) -> list[tuple]:
-    """
-    Each axis, and each pair of axes.
-
-    Parameters
-    ----------
-    axes : list of Axis
-        Axes of the same values.
-
-    Returns
-    -------
-    list of tuple of Axis
-        Single axes first.
-    """
-    return [*((one,) for one in axes), *combinations(axes, 2)]
 
 
 def largest_table(kinds: list[Cells], rest: np.ndarray, least: float) -> Table | None:

@@ -45,7 +45,9 @@ def found(data, columns):
     record = fit.record.having({n: np.asarray(c) for n, c in columns.items()})
     modelled = record["temp_module"] - fit.residual.to_numpy()
     seen = (record.dates + 3) // 7 % 5 != 2
-    return set(leaks(record, seen, modelled, list(columns), Criteria()))
+    return set(
+        leaks(record, seen, modelled, list(columns), Criteria().min_leak_difference)
+    )
 
 
 def smooth(values, hours):

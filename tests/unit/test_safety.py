@@ -315,7 +315,9 @@ def test_what_is_made_from_the_answer_is_told_from_a_cause(usual, seed):
     record = replace(model.record, inputs=replace(inputs, columns=columns))
     modelled = record["temp_module"] - model.residual.to_numpy()
     every = np.ones(rows, dtype=bool)
-    found = set(leaks(record, every, modelled, list(own), Criteria()))
+    found = set(
+        leaks(record, every, modelled, list(own), Criteria().min_leak_difference)
+    )
     assert found == {"noisy", "coarse", "excess"}
 
 

@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 
 from pvlib_fem import Criteria, close_loop, simulator
 from pvlib_fem._findings import OUTSIDE
-from pvlib_fem._loop.change_dates import Scan, first_days
+from pvlib_fem._loop.change_dates import Scan
 from pvlib_fem._loop.change_sums import simplest
 from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.conclude import range_around, range_of
@@ -169,8 +169,8 @@ def test_the_date_of_a_change_is_within_its_interval(time_profile, dates):
         (found,) = dated_candidates(made, [1], 21, 0.025)
         score = Selection(made, CRITERIA).score(found, [1])
         errors = abs(score.estimate[0]) / score.stderr[0]
-        between = first_days(made, found.change, [1], 21, errors).settings["between"]
-        low, high = between
+        scan = Scan.from_design(made, [1], 21)
+        low, high = scan.first_days(found.change, errors).settings["between"]
         right += low <= dates[0] <= high
         assert day_number(high) - day_number(low) < 80
     assert right >= 27

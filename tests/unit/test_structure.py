@@ -6,9 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from pvlib_fem._loop.repeated_patterns import axes_and_pairs
 from pvlib_fem._statistics.axes import axes, sorted_by
 from pvlib_fem._statistics.clusters import calendar_weeks
-from pvlib_fem._statistics.tables import Cells, axes_and_pairs, largest_table
+from pvlib_fem._statistics.tables import Cells, largest_table
 
 TIMES = pd.date_range("2023-01-02", periods=96 * 364, freq="15min", tz="Etc/GMT-1")
 DATES = TIMES.tz_localize(None).to_numpy().astype("datetime64[D]").astype(int)
