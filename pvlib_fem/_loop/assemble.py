@@ -11,7 +11,7 @@ from pvlib_fem._budget.error_budget import budget_of, episodes_of
 from pvlib_fem._findings import PREDICTED, Finding
 from pvlib_fem._fitting.daily import standard_errors
 from pvlib_fem._fitting.least_squares_fit import fit_result
-from pvlib_fem._loop.conclude import hints, in_the_model, not_seen
+from pvlib_fem._loop.conclude import hints, in_the_model, not_seen, pattern_findings
 from pvlib_fem._loop.divided_record import BASES, FEWEST_FITTING_DAYS, Case
 from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.power_events import events_of
@@ -19,11 +19,7 @@ from pvlib_fem._loop.predicted_patterns import Pattern
 from pvlib_fem._loop.ranking import ranked
 from pvlib_fem._loop.ranking_table import Ranking, table_of
 from pvlib_fem._loop.refits import Step
-from pvlib_fem._loop.repeated_patterns import (
-    pattern_findings,
-    repeated_tables,
-    with_patterns,
-)
+from pvlib_fem._loop.repeated_patterns import repeated_tables, with_patterns
 from pvlib_fem._record.column_names import DAYLIGHT
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem.drivers._mounts import without_rows

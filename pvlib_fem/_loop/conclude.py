@@ -1,4 +1,4 @@
-"""Findings: single effects, hints, and what was not seen."""
+"""Findings: single effects, hints, unexplained patterns, and what was not seen."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from pvlib_fem._loop.ranking import Row
     from pvlib_fem._loop.refits import Step
     from pvlib_fem._loop.selection import Choice
+    from pvlib_fem._statistics.tables import Table
 
 HALF = 0.5  # probability from which a cause outside the catalogue is the likelier one
 NINETY = 1.645  # standard errors in half a range that holds 90 %
@@ -41,7 +42,7 @@ def finding_of(
     effect: Effect,
     case: "Case",
     floor: float,
-    cross_checks: tuple[CrossCheck, ...] = (),
+    cross_checks: tuple[CrossCheck, ...],
 ) -> Finding:
     """
     A single effect as a finding, by its credible set.
@@ -69,19 +70,8 @@ def finding_of(
     why = because(Reason.GAINED, gain=gain)
     verdict = Verdict.IDENTIFIED if credible == [effect.name] else Verdict.AMBIGUOUS
     checks = [
-        Check(
-            "probability that it is there",
-            "min_probability",
-            score.probability,
-            limits.min_probability,
-        ),
-        Check(
-            "gain",
-            "min_rmse_reduction",
-            gain,
-            float(np.sqrt(floor * score.acting)),
-            unit="K",
-        ),
+        check_of_existence(score.probability, limits.min_probability),
+        check_of_gain(gain, floor * score.acting),
     ]
     if verdict is Verdict.AMBIGUOUS:
         measurements = deciding_measurements([choice.members[n].effect for n in names])
@@ -130,6 +120,17 @@ def finding_of(
             if name in EFFECTS
         },
     )
+
+
+def check_of_existence(probability: float, least: float) -> Check:
+    """The check that an effect is probably there."""
+    name = "probability that it is there"
+    return Check(name, "min_probability", probability, least)
+
+
+def check_of_gain(gain: float, least: float) -> Check:
+    """The check of a gain [K], by the fall of the mean square that is material [K²]."""
+    return Check("gain", "min_rmse_reduction", gain, float(np.sqrt(least)), unit="K")
 
 
 def too_short(case: "Case") -> tuple[Check, Because]:
@@ -291,14 +292,12 @@ def hints(
         if score.probability < HALF:
             continue
         done |= {name, *row.ties}
-        least = float(np.sqrt(floor * score.acting))
-        why = because(Reason.NOT_MATERIAL, least=least)
-        check = Check("gain", "min_rmse_reduction", row.gain, least, unit="K")
+        check = check_of_gain(row.gain, floor * score.acting)
+        why = because(Reason.NOT_MATERIAL, least=check.threshold)
         if check.passed:
             sure = limits.min_probability
             why = because(Reason.NOT_SURE, chance=score.probability, least=sure)
-            name_of = "probability that it is there"
-            check = Check(name_of, "min_probability", score.probability, sure)
+            check = check_of_existence(score.probability, sure)
         if not case.enough:
             check, why = too_short(case)
         effect = row.effect
@@ -314,6 +313,39 @@ def hints(
             kind=Kind.of(effect),
             place=dates_in_words(effect.settings) if is_dated(effect) else "",
         )
+
+
+def pattern_findings(tables: Iterable["Table"], least: float) -> list[Finding]:
+    """
+    Tables of unexplained patterns as findings.
+
+    Parameters
+    ----------
+    tables : sequence of Table
+    least : float
+        Variance that was material. [K²]
+
+    Returns
+    -------
+    list of Finding
+        In the order of the tables.
+    """
+    return [
+        Finding(
+            effect=table.name,
+            candidates=table.drivers,
+            verdict=Verdict.UNEXPLAINED,
+            gain=table.gain,
+            coefficients={"mean": table.size},
+            stderr={},
+            because=because(Reason.UNEXPLAINED, gain=table.gain, where=table.where),
+            checks=(check_of_gain(table.gain, least),),
+            kind=Kind.STRUCTURE,
+            where=table.ranges,
+            place=table.where,
+        )
+        for table in tables
+    ]
 
 
 def not_seen(

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pvlib_fem._findings import Check, Finding, Kind, Verdict
 from pvlib_fem._loop.design import Hours
 from pvlib_fem._loop.predicted_patterns import Pattern, drivers_of
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, is_power
@@ -16,7 +15,6 @@ from pvlib_fem._statistics.axes import PAST, SINCE_RAIN, Axis, axes, calendar_of
 from pvlib_fem._statistics.clusters import week_numbers
 from pvlib_fem._statistics.tables import Cells, Table, largest_table
 from pvlib_fem.drivers import derive_drivers, underived
-from pvlib_fem.reasons import Reason, because
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.divided_record import Case
@@ -127,45 +125,3 @@ def with_patterns(case: "Case", step: "Step", patterns: tuple[Pattern, ...]) -> 
     inputs = derive_drivers(record.inputs, drivers)
     added = np.sum([one.at(inputs) for one in patterns], axis=0)
     return replace(step, temperature=step.temperature + added)
-
-
-def pattern_findings(tables: list[Table], least: float) -> list[Finding]:
-    """
-    Some tables as findings.
-
-    Parameters
-    ----------
-    tables : list of Table
-        Unexplained patterns.
-    least : float
-        Variance that was material. [K²]
-
-    Returns
-    -------
-    list of Finding
-        In the order of the tables.
-    """
-    return [
-        Finding(
-            effect=table.name,
-            candidates=table.drivers,
-            verdict=Verdict.UNEXPLAINED,
-            gain=table.gain,
-            coefficients={"mean": table.size},
-            stderr={},
-            because=because(Reason.UNEXPLAINED, gain=table.gain, where=table.where),
-            checks=(
-                Check(
-                    "gain",
-                    "min_rmse_reduction",
-                    table.gain,
-                    float(np.sqrt(least)),
-                    unit="K",
-                ),
-            ),
-            kind=Kind.STRUCTURE,
-            where=table.ranges,
-            place=table.where,
-        )
-        for table in tables
-    ]
