@@ -37,16 +37,6 @@ class ComparedRecord(Protocol):
     def __getitem__(self, name: str) -> np.ndarray: ...
 
 
-class ComparedCase(Protocol):
-    """A record, and which of its rows may be looked at."""
-
-    @property
-    def record(self) -> ComparedRecord: ...
-
-    @property
-    def searched(self) -> np.ndarray: ...
-
-
 #: a record and the column to two columns, whose daily sums are compared
 Parts = Callable[[ComparedRecord, np.ndarray], tuple[np.ndarray, np.ndarray]]
 #: a change of an instrument and the fit's coefficients to the deviation that it makes
@@ -121,11 +111,9 @@ def per_irradiance(
     return values / (1.0 + GAMMA * (record["temp_module"] - 25.0)), record["poa_global"]
 
 
-def air_difference(
-    record: ComparedRecord, values: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """How much warmer its air is."""
-    return values - record["temp_air"], np.ones(len(values))
+def difference_to(usual: str) -> Parts:
+    """How much more the column reads than the usual one of the instrument."""
+    return lambda record, values: (values - record[usual], np.ones(len(values)))
 
 
 def air_by_irradiance(
@@ -140,13 +128,6 @@ def over_temperatures(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Over-temperatures of both sensors."""
     return values - record["temp_air"], record["temp_module"] - record["temp_air"]
-
-
-def module_difference(
-    record: ComparedRecord, values: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """How much more the other sensor of the module reads."""
-    return values - record["temp_module"], np.ones(len(values))
 
 
 def log_ratio(one: np.ndarray, other: np.ndarray) -> np.ndarray:
@@ -200,7 +181,7 @@ COMPARISONS = (
     ),
     Comparison(twin("poa_global"), bright, paired_with("poa_global"), log_ratio, LIGHT),
     Comparison(twin("wind_speed"), windy, paired_with("wind_speed"), log_ratio, WIND),
-    Comparison(twin("temp_air"), dark, air_difference, np.divide, AIR, "K"),
+    Comparison(twin("temp_air"), dark, difference_to("temp_air"), np.divide, AIR, "K"),
     Comparison(twin("temp_air"), bright, air_by_irradiance, np.divide, SHELTER, "K"),
     Comparison(
         twin("temp_module"), bright, over_temperatures, log_ratio, CONTACT, module=True
@@ -208,7 +189,7 @@ COMPARISONS = (
     Comparison(
         twin("temp_module"),
         dark,
-        module_difference,
+        difference_to("temp_module"),
         np.divide,
         OFFSET,
         "K",

@@ -85,9 +85,9 @@ class Times:
         times.
         """
         known = np.ones(len(index), dtype=bool)
-        if not self.zone and (self.offsets or self.module.fault) and zone_of(index):
+        if not self.zone and (self.offsets or self.module.fault) and zone_name(index):
             warnings.warn(
-                f"data are in {zone_of(index)} and the record of this loop has no "
+                f"data are in {zone_name(index)} and the record of this loop has no "
                 "zone, so that its clock is not corrected; give data.tz_localize(None) "
                 "for its own times, or correct_times=False",
                 stacklevel=4,
@@ -118,11 +118,8 @@ def datetimes(index: pd.Index) -> pd.DatetimeIndex:
     return index
 
 
-def zone_of(index: pd.Index) -> str:
+def zone_name(index: pd.Index) -> str:
     """Name of the zone of an index; "" for one without times or zone."""
-    return zone_name(index) if isinstance(index, pd.DatetimeIndex) else ""
-
-
-def zone_name(index: pd.DatetimeIndex) -> str:
-    """Name of the zone of some times; "" without one."""
-    return "" if index.tz is None else str(index.tz)
+    if not isinstance(index, pd.DatetimeIndex) or index.tz is None:
+        return ""
+    return str(index.tz)

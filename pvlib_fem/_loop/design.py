@@ -155,10 +155,9 @@ class Design:
         scale = np.sqrt(rows @ cells**2 / rows.sum())
         scale[(scale == 0) | (np.arange(len(scale)) == 0)] = 1.0
         order = {name: i + 1 for i, name in enumerate(wanted)}
-        places = {
-            name: means(values)
-            for name, values in drivers_of(record, evidence.rows, drivers).items()
-        }
+        measured = drivers_of(record, evidence.rows, drivers)
+        derived = derived_of(record, evidence.rows, effects.values())
+        places = {name: means(values) for name, values in measured.items()}
         places |= calendar_of(record.index[evidence.rows][first])
         return cls(
             names=("residual", *wanted),
@@ -175,12 +174,7 @@ class Design:
             sensor_faults={n: order[c] for n, c in sensor_faults.items()},
             changing=tuple(effect for effect, _ in evidence.changing),
             places=places,
-            derived={
-                name: means(values)
-                for name, values in derived_of(
-                    record, evidence.rows, effects.values()
-                ).items()
-            },
+            derived={name: means(values) for name, values in derived.items()},
         )
 
     @classmethod
@@ -526,8 +520,7 @@ def drivers_of(
     names = {*COLUMNS[:3], *GEOMETRY, *drivers} & {*record.inputs.columns} - {
         "p_dc_per_area"
     }
-    columns = {name: record[name][rows] for name in sorted(names)}
-    return {name: np.nan_to_num(column) for name, column in columns.items()}
+    return {name: record[name][rows] for name in sorted(names)}
 
 
 def derived_of(
@@ -542,7 +535,7 @@ def derived_of(
         if own and not is_modelled([name]) and not any(map(is_power, own)):
             names.append(name)
     inputs = derive_drivers(record.inputs, names)
-    return {name: np.nan_to_num(inputs[name][rows]) for name in names}
+    return {name: inputs[name][rows] for name in names}
 
 
 def columns_of(design: Design, effect: Effect) -> tuple[Column, ...]:

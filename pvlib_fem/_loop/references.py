@@ -12,7 +12,7 @@ from pvlib_fem._loop.comparisons import (
     COMPARISONS,
     SKY,
     USUAL_WIND,
-    ComparedCase,
+    ComparedRecord,
     Comparison,
 )
 from pvlib_fem._record.inputs import Record
@@ -212,17 +212,21 @@ def daily_deviations(case: "Case") -> list[DailyDeviation]:
     list of DailyDeviation
         One for each comparison and column that serves it.
     """
-    columns = compared_columns(case)
+    columns, at = compared_columns(case), (case.record, case.searched)
     return [
         one
         for comparison in COMPARISONS
         for name in filter(comparison.serves, columns)
-        if (one := daily_deviation(comparison, case, name, columns[name])) is not None
+        if (one := daily_deviation(comparison, *at, name, columns[name])) is not None
     ]
 
 
 def daily_deviation(
-    comparison: Comparison, case: ComparedCase, name: str, values: np.ndarray
+    comparison: Comparison,
+    record: ComparedRecord,
+    searched: np.ndarray,
+    name: str,
+    values: np.ndarray,
 ) -> DailyDeviation | None:
     """
     One comparison, on days that are near the others.
@@ -230,7 +234,9 @@ def daily_deviation(
     Parameters
     ----------
     comparison : Comparison
-    case : Case
+    record : ComparedRecord
+    searched : array of bool, shape (rows,)
+        Rows of which the module's temperature may be looked at.
     name : str
         Of what is compared with an instrument.
     values : array, shape (rows,)
@@ -240,11 +246,10 @@ def daily_deviation(
     DailyDeviation or None
         None where there are too few days.
     """
-    record = case.record
     one, other = comparison.parts(record, values)
     kept = comparison.rows(record) & np.isfinite(one + other)
     if comparison.module:  # whose temperature in other weeks is for the test
-        kept &= case.searched
+        kept &= searched
     days, place = np.unique(record.dates[kept], return_inverse=True)
     if len(days) < comparison.fewest:
         return None

@@ -239,16 +239,13 @@ def ready_effects(
             if effect.prepare:
                 dated = derive_drivers(inputs, ["day"])
                 effect = effect.prepare(dated.columns, seen)
-            wide, name = effect.scanned_from or effect, effect.name
-            if effect.dates:
-                wide, name = (
-                    replace(wide, name=effect.sensor_fault),
-                    effect.sensor_fault,
-                )
-                if name in tried:
-                    time_profiles = (*tried[name].time_profiles, effect)
-                    tried[name] = replace(tried[name], time_profiles=time_profiles)
-                    continue
+            wide = effect.scanned_from or effect
+            name = effect.sensor_fault if effect.dates else effect.name
+            if effect.dates and name in tried:
+                time_profiles = (*tried[name].time_profiles, effect)
+                tried[name] = replace(tried[name], time_profiles=time_profiles)
+                continue
+            wide = replace(wide, name=name) if effect.dates else wide
             inputs = replace(model, effects=(wide,)).with_drivers(inputs)
             time_profiles = (effect,) if effect.dates else ()
             tried[name] = Tried(wide, effect.scan, time_profiles)

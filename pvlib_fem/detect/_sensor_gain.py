@@ -1,7 +1,6 @@
 """An irradiance sensor and an anemometer that read more or less than they did."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -43,16 +42,8 @@ class Columns:
     columns: dict
 
     @property
-    def record(self) -> Any:
-        return self
-
-    @property
     def dates(self) -> np.ndarray:
         return dates_of(self.index)
-
-    @property
-    def searched(self) -> np.ndarray:
-        return np.ones(len(self.index), dtype=bool)
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.columns[name]
@@ -63,8 +54,9 @@ def compared_with(
 ) -> DailyDeviation:
     """A sensor compared with the reference of a name; refuse missing columns."""
     comparison = next(one for one in COMPARISONS if one.serves(name))
+    every = np.ones(len(index), dtype=bool)
     deviation = references.daily_deviation(
-        comparison, Columns(index, columns), name, values
+        comparison, Columns(index, columns), every, name, values
     )
     if deviation is None:
         raise ValueError(
