@@ -15,8 +15,8 @@ from pvlib.location import Location
 from pvlib_fem import datasets, simulator
 from pvlib_fem._fit import fit_fem
 from pvlib_fem._loop.close import close_loop
+from pvlib_fem._loop.file_clock import zone_of_the_sun
 from pvlib_fem._loop.loop_result import Loop
-from pvlib_fem._loop.prepare import zone_of_the_sun
 from pvlib_fem._loop.ranking_table import Ranking
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.file_summary import digest
