@@ -11,7 +11,6 @@ from pvlib_fem._loop.change_sums import (
     SPARSE,
     ChangeSums,
     Span,
-    simplest,
 )
 from pvlib_fem._statistics.weekly_sums import coefficients_from, with_ridge
 from pvlib_fem.effects._effect import Effect
@@ -22,27 +21,7 @@ if TYPE_CHECKING:
 
 USUAL = 2.0  # times the median of the daily residuals: beyond it a day counts less
 MOST_SURE = 6.0  # standard errors, beyond which a date is not surer
-DATES = "at", "start", "end"  # names of dates in the settings of a change
 LIKELY = 3.84  # twice the log-likelihood by which 95 % of dates are as good
-
-
-def number_of_dates(effect: Effect) -> int:
-    """
-    Number of dates of a change that were searched for.
-
-    Parameters
-    ----------
-    effect : Effect
-        Any; without a time profile it has none.
-
-    Returns
-    -------
-    int
-    """
-    if not effect.sensor_fault:
-        return 0
-    resets = len(effect.settings.get("resets", ()))
-    return sum(name in effect.settings for name in DATES) + resets
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +85,7 @@ class Scan:
         trends += [inside] if inside else []
         sawtooth = sums.with_resets(side)
         trends += [sawtooth] if sawtooth else []
-        trend = simplest(trends, days)
+        trend = sums.simplest(trends)
         if trend.dates(days):
             begin = {"start" if trend.first else "since": self.date_at(trend.first)}
             end = {"end": self.date_at(trend.last)} if trend.last < days else {}

@@ -35,28 +35,6 @@ class Span:
         return ends + len(self.resets) + int(self.before > 0.0)
 
 
-def simplest(spans: Sequence[Span], days: int) -> Span:
-    """
-    The span that explains most, less what its dates cost.
-
-    Parameters
-    ----------
-    spans : sequence of Span
-    days : int
-        Of the record.
-
-    Returns
-    -------
-    Span
-    """
-    most, sure = max(max(one.fall for one in spans), 1e-12), 1.0 / PROFILE_ERROR
-
-    def worth(one: Span) -> float:
-        return 0.5 * sure**2 * one.fall / most - dates_cost(one.dates(days), sure)
-
-    return max(spans, key=worth)
-
-
 @dataclass(frozen=True, eq=False)
 class ChangeSums:
     """Sums of daily products of a column, of which each change takes a part."""
@@ -101,6 +79,16 @@ class ChangeSums:
         parts[..., 1] = square - begin * (2.0 * mean[:, 1] - begin * plain[:, 1])
         return parts
 
+    def simplest(self, spans: Sequence[Span]) -> Span:
+        """The span that explains most, less what its dates cost."""
+        most, sure = max(max(one.fall for one in spans), 1e-12), 1.0 / PROFILE_ERROR
+
+        def worth(one: Span) -> float:
+            cost = dates_cost(one.dates(len(self.table)), sure)
+            return 0.5 * sure**2 * one.fall / most - cost
+
+        return max(spans, key=worth)
+
     def with_resets(self, side: int) -> Span | None:
         """
         The best trend of the whole record that begins again from 0 at some dates.
@@ -119,11 +107,11 @@ class ChangeSums:
             spans.append(span)
         if not spans:
             return None
-        span = self.in_place(simplest(spans, days), side)
+        span = self.in_place(self.simplest(spans), side)
         if len(span.resets) == 1:
             return span
         fewer = [without(span.resets, one) for one in span.resets]
-        return simplest([span, *map(self.begun_before, fewer)], days)
+        return self.simplest([span, *map(self.begun_before, fewer)])
 
     def teeth(self, resets: Sequence[int], before: float | np.ndarray) -> np.ndarray:
         """Sums of a trend with some resets, begun some years before the record."""

@@ -217,6 +217,10 @@ class Design:
         """First cell of each day."""
         return np.flatnonzero(np.diff(self.days, prepend=self.days[:1] - 1))
 
+    def in_cells(self, daily: np.ndarray) -> np.ndarray:
+        """A value of each day, in its cells."""
+        return np.repeat(daily, np.diff(self.first, append=len(self.days)))
+
     @cached_property
     def daily_sums(self) -> dict[int, np.ndarray]:
         """Of each column that changes, what :meth:`daily` returns, made once."""
@@ -253,8 +257,12 @@ class Design:
     @cached_property
     def weekly(self) -> np.ndarray:
         """Weekly sums of products: an array of (weeks, columns, columns)."""
+        return self.weekly_products(self.cells)
+
+    def weekly_products(self, cells: np.ndarray) -> np.ndarray:
+        """Weekly sums of products of some columns, as :attr:`weekly` has them."""
         edges = np.append(self.first[self.clusters], len(self.rows))
-        return products(self.cells, self.rows, edges)
+        return products(cells, self.rows, edges)
 
     @cached_property
     def total(self) -> np.ndarray:
@@ -438,8 +446,7 @@ class Design:
 
     def weight(self, change: Changed) -> np.ndarray:
         """Weight of each cell of a change."""
-        lengths = np.diff(self.first, append=len(self.days))
-        return np.repeat(self.weights(change), lengths)
+        return self.in_cells(self.weights(change))
 
     @cached_property
     def freed_changes(self) -> dict[Changed, np.ndarray]:
@@ -449,9 +456,7 @@ class Design:
     @cached_property
     def grid(self) -> tuple[np.ndarray, tuple[int, int]]:
         """Place of each cell in a table of days by hours, and the table's shape."""
-        days = np.repeat(
-            np.arange(len(self.dates)), np.diff(self.first, append=len(self.days))
-        )
+        days = self.in_cells(np.arange(len(self.dates)))
         hours = int(self.places["hour"].max()) + 1
         return days * hours + self.places["hour"].astype(int), (len(self.dates), hours)
 
@@ -489,6 +494,13 @@ class Design:
         inverse = np.linalg.inv(with_ridge(mine.T @ mine))
         covariance = inverse @ (drawn @ drawn.T / drawn.shape[1]) @ inverse
         return covariance, max(shape[0] / APART - 1.0, 1.0)
+
+    def columns_of(self, effect: Effect) -> tuple[Column, ...]:
+        """Columns of an effect, with its dates if it is a sensor fault; or none."""
+        if not effect.sensor_fault:
+            return self.own.get(effect.name, ())
+        place = self.sensor_faults.get(effect.sensor_fault)
+        return () if place is None else (Changed.from_effect(place, effect),)
 
     def scales(self, columns: Sequence[Column]) -> np.ndarray:
         """What the coefficients of some columns are to be divided by."""
@@ -536,24 +548,3 @@ def derived_of(
             names.append(name)
     inputs = derive_drivers(record.inputs, names)
     return {name: inputs[name][rows] for name in names}
-
-
-def columns_of(design: Design, effect: Effect) -> tuple[Column, ...]:
-    """
-    Columns of an effect in a design.
-
-    Parameters
-    ----------
-    design : Design
-    effect : Effect
-        With its dates, if it is a sensor fault.
-
-    Returns
-    -------
-    tuple of int or Changed
-        Empty if the design has none.
-    """
-    if not effect.sensor_fault:
-        return design.own.get(effect.name, ())
-    place = design.sensor_faults.get(effect.sensor_fault)
-    return () if place is None else (Changed.from_effect(place, effect),)

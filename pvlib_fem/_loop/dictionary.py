@@ -1,17 +1,18 @@
 """What may be in the remaining error: effects, and changes at the dates that show."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
 from scipy.special import gammaln
 
-from pvlib_fem._loop.change_dates import Scan, number_of_dates
-from pvlib_fem._loop.design import Changed, Column, Design, columns_of
+from pvlib_fem._loop.change_dates import Scan
+from pvlib_fem._loop.design import Changed, Column, Design
 from pvlib_fem.effects._effect import Effect, Parameter
 from pvlib_fem.effects._time_profiles import time_profile_of
 
+DATES = "at", "start", "end"  # names of dates in the settings of a change
 RARE = {"air_elsewhere": 0.05}  # times the odds of others
 SIZES = 4.0  # standard deviations of sizes between the bounds of a coefficient
 SLACK_ERRORS = 2.0  # standard errors by which a tangent may miss a bound
@@ -33,10 +34,18 @@ class Candidate:
         return self.effect.name
 
     @property
+    def dates(self) -> int:
+        """Number of its dates that were searched for; none without a time profile."""
+        if not self.effect.sensor_fault:
+            return 0
+        settings = self.effect.settings
+        return sum(name in settings for name in DATES) + len(settings.get("resets", ()))
+
+    @property
     def time_profile(self) -> str:
         """Its time profile, and whether a trend is of a part of the record; or ""."""
         name = time_profile_of(self.effect) if self.effect.sensor_fault else ""
-        part = name == "drift" and number_of_dates(self.effect)
+        part = name == "drift" and self.dates
         return f"{name} of a part" if part else name
 
     @property
@@ -95,16 +104,21 @@ class Candidate:
         return float(np.sqrt(freedom * max(ratio - 1.0, 0.0) / (plain - wide * ratio)))
 
 
-def without_dates(design: Design, prior: float) -> Iterator[Candidate]:
+def all_candidates(
+    design: Design, given: Sequence[Column], side: int, prior: float
+) -> Iterator[Candidate]:
     """
-    Candidates that have no date.
+    Effects without a date, and changes at the dates that the remaining error shows.
 
     Parameters
     ----------
     design : Design
-        Hourly tangents of all effects.
+    given : sequence of int or Changed
+        Columns given which the remaining error is looked at.
+    side : int
+        Days with rows that there have to be on both sides of a date.
     prior : float
-        Prior odds of any one effect. [-]
+        Prior odds of any one effect, and of any one change at some date. [-]
 
     Yields
     ------
@@ -113,28 +127,13 @@ def without_dates(design: Design, prior: float) -> Iterator[Candidate]:
     for name, columns in design.own.items():
         odds = np.log(prior * RARE.get(name, 1.0))
         yield Candidate(design.effects[name], columns, float(odds))
+    yield from dated_candidates(design, given, side, prior)
 
 
 def dated_candidates(
     design: Design, given: Sequence[Column], side: int, prior: float
 ) -> Iterator[Candidate]:
-    """
-    Changes at the dates that the remaining error given some columns shows best.
-
-    Parameters
-    ----------
-    design : Design
-    given : sequence of int or Changed
-        Columns.
-    side : int
-        Days with rows that there have to be on both sides of a date.
-    prior : float
-        Odds that any one change is there, at some date.
-
-    Yields
-    ------
-    Candidate
-    """
+    """Changes at the dates that the remaining error given some columns shows best."""
     days = len(design.dates)
     if days <= 2 * side:
         return
@@ -151,14 +150,9 @@ def dated_candidates(
             if time_profile not in changes:
                 continue
             effect = changes[time_profile].dates(**dates)
-            many = number_of_dates(effect)
-            log_dates = many * np.log(days) - gammaln(many + 1.0)
-            yield Candidate(
-                effect,
-                columns_of(design, effect),
-                float(np.log(prior)),
-                float(log_dates),
-            )
+            one = Candidate(effect, design.columns_of(effect), float(np.log(prior)))
+            log_dates = one.dates * np.log(days) - gammaln(one.dates + 1.0)
+            yield replace(one, log_dates=float(log_dates))
 
 
 def possible_signs(changes: Mapping[str, Effect]) -> tuple[float, float]:

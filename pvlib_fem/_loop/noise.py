@@ -22,7 +22,7 @@ from pvlib_fem._statistics.tables import (
     cell_numbers,
     largest_table,
 )
-from pvlib_fem._statistics.weekly_sums import LeastSquares, products
+from pvlib_fem._statistics.weekly_sums import LeastSquares
 from pvlib_fem.drivers import needed_for, own_columns
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._instruments import OF_NO_COEFFICIENT
@@ -295,8 +295,7 @@ class WithinCells:
                 means = mean(design.weight(column))
                 values = values - means * design.cells[:, column.place]
             columns.append(values - mean(values))
-        starts = np.append(design.first[design.clusters], len(design.rows))
-        return products(np.concatenate([given, columns]).T, design.rows, starts)
+        return design.weekly_products(np.concatenate([given, columns]).T)
 
 
 def remaining_share(

@@ -6,16 +6,15 @@ from functools import cached_property
 
 import numpy as np
 
-from pvlib_fem._loop.change_dates import Scan, number_of_dates
+from pvlib_fem._loop.change_dates import Scan
 from pvlib_fem._loop.change_sums import PROFILE_ERROR, UNSEEN, dates_cost
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.design import Column, Design, columns_of
+from pvlib_fem._loop.design import Column, Design
 from pvlib_fem._loop.dictionary import (
     Candidate,
-    dated_candidates,
+    all_candidates,
     log_odds,
     within_bounds,
-    without_dates,
 )
 from pvlib_fem._loop.noise import random_effects
 from pvlib_fem._statistics.extremes import ALIKE, largest_first
@@ -157,7 +156,7 @@ def placed_choices(
     placed = []
     for one in choices:
         effect = design.effects.get(one.top.name, one.top.effect)
-        columns = columns_of(design, effect)
+        columns = design.columns_of(effect)
         if columns and effect.name not in closed:
             top = replace(one.top, effect=effect, columns=columns)
             placed.append(replace(one, top=top))
@@ -334,13 +333,8 @@ class Selection:
         """Candidates given some columns, but taken names and one time profile."""
         key = frozenset(given)
         if key not in self.known:
-            limits = self.criteria
-            every = [
-                *without_dates(self.design, limits.prior_odds),
-                *dated_candidates(
-                    self.design, given, limits.min_days_each_side, limits.prior_odds
-                ),
-            ]
+            limits = self.criteria.min_days_each_side, self.criteria.prior_odds
+            every = all_candidates(self.design, given, *limits)
             self.known[key] = [one for one in every if one.name not in self.closed]
         others = [one for one in self.known[key] if one.name not in {*taken}]
         return [one for one in others if not without or one.time_profile != without]
@@ -425,12 +419,8 @@ class Selection:
     def score(self, one: Candidate, given: Sequence[Column]) -> Score:
         """What a candidate explains given some columns."""
         key = one.columns, frozenset(given)
-        if key not in self.scores:
-            self.scores[key] = self.scored(one, given)
-        return self.scores[key]
-
-    def scored(self, one: Candidate, given: Sequence[Column]) -> Score:
-        """:meth:`score`, computed."""
+        if key in self.scores:
+            return self.scores[key]
         design, own = self.design.fit_for([one.effect]), one.beyond(given)
         weekly = design.by_week([*given, *own])
         size = len(own)
@@ -454,10 +444,19 @@ class Selection:
         there = one.existence(rows.values(), seen, null, freedom)
         fits = within_bounds(rows.values(), estimate, np.sqrt(np.diag(covariance)))
         gain, acting = gain / design.count, self.acting(one)
-        sizes = estimate, covariance
-        return Score(
-            tuple(rows), gain, *sizes, there, fits, seen, null, freedom, acting
+        self.scores[key] = Score(
+            tuple(rows),
+            gain,
+            estimate,
+            covariance,
+            there,
+            fits,
+            seen,
+            null,
+            freedom,
+            acting,
         )
+        return self.scores[key]
 
     def weighed(self, choice: Choice, others: Sequence[Choice]) -> Choice:
         """A choice with its rivals, by how much of its part each explains."""
@@ -535,8 +534,7 @@ class Selection:
         logs = np.empty_like(parts)
         for i, one in enumerate(members.values()):
             groups.setdefault(one.effect.sensor_fault or one.name, []).append(i)
-        many = [number_of_dates(one.effect) for one in members.values()]
-        costs = np.array([[dates_cost(dates, sure)] for dates in many])
+        costs = np.array([[dates_cost(one.dates, sure)] for one in members.values()])
         for same in groups.values():
             within = 0.5 * sure**2 * parts[same] / most
             within -= costs[same]
@@ -563,7 +561,7 @@ def worth_share(one: Candidate, sure: float) -> float:
     It is the scale of the posterior among time profiles: half of the squared standard
     errors are the logarithm of the likelihood of all that it explains.
     """
-    cost = dates_cost(number_of_dates(one.effect), sure)
+    cost = dates_cost(one.dates, sure)
     return 1.0 - 2.0 * cost / max(sure, 1e-12) ** 2
 
 
@@ -574,7 +572,7 @@ def names_of(choices: Iterable[Choice]) -> set[str]:
 
 def dates_of(choices: Iterable[Choice]) -> int:
     """Number of dates of some choices that were searched for."""
-    return sum(number_of_dates(one.top.effect) for one in choices)
+    return sum(one.top.dates for one in choices)
 
 
 def drawn_part(

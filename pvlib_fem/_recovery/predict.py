@@ -9,7 +9,7 @@ from pvlib_fem._findings import OUTSIDE
 from pvlib_fem._loop.close import Round
 from pvlib_fem._loop.conclude import HALF
 from pvlib_fem._loop.cross_checks import log_likelihoods
-from pvlib_fem._loop.design import Changed, Column, Design, columns_of
+from pvlib_fem._loop.design import Changed, Column, Design
 from pvlib_fem._loop.dictionary import Candidate
 from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.noise import with_outside
@@ -105,7 +105,7 @@ def candidate_of(design: Design, draw: Draw) -> Candidate:
     effect = draw.effect
     if not effect.sensor_fault:
         effect = design.effects.get(effect.name, effect)
-    return Candidate(effect, columns_of(design, effect), 0.0)
+    return Candidate(effect, design.columns_of(effect), 0.0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,6 @@ from hypothesis import given, strategies as st
 from pvlib_fem import Criteria, close_loop, simulator
 from pvlib_fem._findings import OUTSIDE
 from pvlib_fem._loop.change_dates import Scan
-from pvlib_fem._loop.change_sums import simplest
 from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.conclude import range_around, range_of
 from pvlib_fem._loop.design import Changed, Design, independent_columns
@@ -391,7 +390,7 @@ def test_resets_are_found_and_a_trend_without_any_has_none():
         made = design(rest, columns, days, hours, changing=OFFSETS)
         sums = Scan.from_design(made, [1, 2], 7).sums(3, -1.0, 1.0)
         whole = sums.best(sums.linear, np.array([0]), np.array([1100]))
-        span = simplest([whole, sums.with_resets(7)], 1100)
+        span = sums.simplest([whole, sums.with_resets(7)])
         assert len(span.resets) == len(at)
         assert all(abs(a - b) <= 10 for a, b in zip(span.resets, at))
 
