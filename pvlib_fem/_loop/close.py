@@ -190,10 +190,12 @@ def close_loop(
         criteria = replace(criteria, min_rmse_reduction=min_rmse_reduction)
     place = checked_place(location, surface_tilt, surface_azimuth, mount)
     how: dict[str, Any] = dict(
-        holdout=holdout, effects=effects, check_units=check_units
+        holdout=holdout,
+        effects=effects,
+        check_units=check_units,
+        fixed=keys_in_new_names(fixed) if fixed else fixed,
+        criteria=criteria,
     )
-    fixed = keys_in_new_names(fixed) if fixed else fixed
-    how |= {"fixed": fixed, "criteria": criteria}
     if transposition:
         frame = isinstance(data, pd.DataFrame)
         check_transposition(

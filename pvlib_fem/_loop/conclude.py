@@ -388,17 +388,12 @@ def not_seen(
             continue
         elif row.note is not None and not row.score.possible and row.gain > 0:
             yield name, row.note
-        elif has_date(row.effect):
-            continue
+        elif row.effect.sensor_fault and not is_drift(row.effect):
+            continue  # of its dates only the best one was weighed
         elif row.detectable > whole:
             yield name, because(Reason.COLLINEAR)
         elif row.detectable > case.criteria.min_rmse_reduction:
             yield name, because(Reason.DETECTABLE, gain=row.detectable)
-
-
-def has_date(effect: Effect) -> bool:
-    """Whether an effect begins at a date, of which only the best one was weighed."""
-    return bool(effect.sensor_fault) and not is_drift(effect)
 
 
 def better_sources(effect: Effect) -> list[str]:

@@ -17,7 +17,7 @@ import numpy as np
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, is_power
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.axes import Axis, axes, calendar_of
-from pvlib_fem._statistics.clusters import calendar_weeks
+from pvlib_fem._statistics.clusters import FEWEST_CLUSTERS, FOLDS, calendar_weeks
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,
@@ -33,8 +33,6 @@ from pvlib_fem.effects._time_profiles import weights_of
 if TYPE_CHECKING:
     from pvlib_fem._loop.tangents import Evidence
 
-FOLDS = 5  # groups of weeks that are held out in turn
-FEWEST_WEEKS = 8  # below which errors come from the spread between days
 ALIKE = 1e-6  # share of a column's square below which it is a sum of others
 APART = 7  # days by which an effect is shifted at least to see what chance does
 
@@ -252,7 +250,7 @@ class Design:
     @property
     def has_weeks(self) -> bool:
         """Whether there are enough of them to see how far they differ."""
-        return len(self.starts) >= FEWEST_WEEKS
+        return len(self.starts) >= FEWEST_CLUSTERS
 
     @cached_property
     def weekly(self) -> np.ndarray:

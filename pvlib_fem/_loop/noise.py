@@ -40,7 +40,6 @@ Means = Callable[[np.ndarray], np.ndarray]
 DIGITS = 9  # of a probability
 TINY = 1e-100  # density of what is as far as anything
 FAR = 0.35  # spread of the part of an effect that holds under other conditions
-USUAL = COLUMNS[:3]
 #: axes of the tables in which an effect has to have the same size
 PAIRS = (
     ("hour", "month"),
@@ -324,7 +323,13 @@ def tables_met(design: "Design", effect: Effect) -> Iterator[Kind]:
     yield from usual_tables(axes)
     if not effect.sensor_fault and design.has_weeks:
         yield ()
-    skip = {*USUAL, *effect.drivers, *needed_for(effect.drivers), *CLOCK, *GEOMETRY}
+    skip = {
+        *COLUMNS[:3],
+        *effect.drivers,
+        *needed_for(effect.drivers),
+        *CLOCK,
+        *GEOMETRY,
+    }
     for name, axis in axes.items():
         if axis.column not in skip and name not in skip:
             yield (axis, axes["hour"])

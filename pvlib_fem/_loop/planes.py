@@ -226,11 +226,9 @@ def angle_differences(name: str, angles: np.ndarray) -> np.ndarray:
 
 def is_moving(known: dict[str, np.ndarray]) -> bool:
     """Whether a plane moves."""
-    for name, values in known.items():
-        level = name == AZIMUTH and TILT in known and known[TILT].max() <= FIXED
-        if (
-            np.abs(angle_differences(name, values - values[0])).max() > FIXED
-            and not level
-        ):
-            return True
-    return False
+    if TILT in known and known[TILT].max() <= FIXED:  # then no azimuth matters
+        known = {name: values for name, values in known.items() if name != AZIMUTH}
+    return any(
+        np.abs(angle_differences(name, values - values[0])).max() > FIXED
+        for name, values in known.items()
+    )

@@ -117,6 +117,7 @@ def prepared_case(
         untestable |= {e.name: because(Reason.ESTIMATED) for e in scans}
         wanted = [effect for effect in wanted if effect.name not in untestable]
     whole, seen = used_record(look, sun)
+    stood = with_standings(site, whole.index, standings)
     case = Case(
         whole=whole,
         record=whole,
@@ -129,9 +130,7 @@ def prepared_case(
         ),
         wanted=tuple(wanted),
         untestable=untestable,
-        site=with_standings(site, look.whole.index, standings)
-        if sun
-        else dict.fromkeys(site),
+        site=stood if sun else dict.fromkeys(site),
         place=site,
         clock=look.health.clock,
         criteria=criteria,

@@ -9,7 +9,7 @@ from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem._fitting.fem_fit import FemFit
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.design import FOLDS, Design
+from pvlib_fem._loop.design import Design
 from pvlib_fem._loop.planes import plane_of_columns, with_given
 from pvlib_fem._loop.ranking import ranked
 from pvlib_fem._loop.ranking_table import Ranking, table_of
@@ -25,6 +25,7 @@ from pvlib_fem._record.column_names import (
 )
 from pvlib_fem._record.filters import counted
 from pvlib_fem._record.inputs import as_record, with_columns
+from pvlib_fem._statistics.clusters import FOLDS
 from pvlib_fem.drivers import DERIVED, MODELLED, checked_place, geometry, needed_for
 from pvlib_fem.drivers._mounts import axis_of
 from pvlib_fem.effects import EffectLike

@@ -14,12 +14,12 @@ import pandas as pd
 from scipy.sparse import csr_array
 
 from pvlib_fem._statistics.leastsquares import products
+from pvlib_fem._statistics.weekly_sums import RIDGE
 
-FOLDS = 5
+FOLDS = 5  # groups of weeks, or days, that are held out in turn
 WEEK = 7  # days that stay together in a fold
 FEWEST_CLUSTERS = 8  # with fewer weeks, errors are clustered by day
 FEWEST_DAYS = 5  # with fewer days, the spread between days gives no error
-RIDGE = 1e-9  # of a column's square: an undetermined coefficient stays 0
 
 
 @dataclass(frozen=True, eq=False)
