@@ -199,9 +199,7 @@ class Turning:
             angles = self.mount.get_orientation(zenith, azimuth)
         angles = by_night({name: angles[name] for name in self.columns}, zenith)
         for one in self.standings:
-            rows = one.rows(cast(pd.DatetimeIndex, inputs.index))
-            for name, values in angles.items():
-                values[rows] = getattr(one, name)
+            one.put_into(angles, cast(pd.DatetimeIndex, inputs.index))
         return angles
 
 

@@ -204,9 +204,7 @@ def with_standings(
     columns = geometry(index, **site)
     angles = {name: columns[name].to_numpy(copy=True) for name in ANGLES}
     for one in standings:
-        rows = one.rows(index)
-        for name in ANGLES:
-            angles[name][rows] = getattr(one, name)
+        one.put_into(angles, index)
     return {**site, **dict.fromkeys(ANGLES), "mount": ByColumns(index, angles)}
 
 

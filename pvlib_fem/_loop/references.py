@@ -131,9 +131,8 @@ class DailyDeviation:
         if not names or not np.ptp(weights) > 0:
             return None
         size, error, residual = self.along(weights)
-        if (
-            not first.sensor_fault
-        ):  # of days or weeks, which are less than a draw of months
+        # of days or weeks, which are less than a draw of months
+        if not first.sensor_fault:
             error = by_accident(weights > 0.0, residual)
         expected = {
             name: self.expected(

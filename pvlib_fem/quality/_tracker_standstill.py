@@ -74,6 +74,12 @@ class Standing:
         first, last = pd.Timestamp(self.start), pd.Timestamp(self.end)
         return np.asarray((local >= first) & (local < last))
 
+    def put_into(self, angles: dict[str, np.ndarray], index: pd.DatetimeIndex) -> None:
+        """Replace angles of a plane by its own, on its days."""
+        rows = self.rows(index)
+        for name, values in angles.items():
+            values[rows] = getattr(self, name)
+
 
 def standing_of(
     poa_global: Any,
