@@ -435,7 +435,7 @@ class Search:
         self.last = this
         return self.with_findings(plain, this, step.coefficients)
 
-    def round(self, step: Step, begin: Sequence[Choice] = ()) -> Round:
+    def round(self, step: Step, begin: Sequence[Choice]) -> Round:
         """
         The selection by the remaining error of a step without its effects.
 
@@ -445,13 +445,11 @@ class Search:
         there = {e.name for e in step.model.effects if not e.sensor_fault}
         wanted = [effect for effect in case.wanted if effect.name not in there]
         evidence = self.fits.gathered(step, wanted)
-        lifted = [
-            (effect, step.coefficients)
-            for effect in step.model.effects
-            if effect.name not in self.usual
-        ]
+        lifted = [e for e in step.model.effects if e.name not in self.usual]
         record = self.fits.ready["coarse"][1]
-        design = Design.from_evidence(evidence, record, lifted, case.drivers)
+        design = Design.from_evidence(
+            evidence, record, case.drivers, lifted, step.coefficients
+        )
         closed = self.closed
         names = [e.name for e in case.wanted if is_before_the_sun(e)]
         names = [name for name in names if name in design.own]

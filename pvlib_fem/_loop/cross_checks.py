@@ -145,7 +145,7 @@ def cross_checks(
             if time_profile_of(choice.members[name].effect) == time_profile_of(first)
             and max(choice.probabilities[name], choice.weights[name]) >= WORTH
         ]
-        shown = one.shown(choice, first, alike, coefficients) if alike else None
+        shown = one.shown(choice, first, alike, coefficients)
         if shown is None:
             continue
         size, error, expected, aged = shown

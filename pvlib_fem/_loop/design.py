@@ -109,15 +109,16 @@ class Design:
         cls,
         evidence: "Evidence",
         record: Record,
-        lifted: Sequence[tuple[Effect, Mapping[str, float]]] = (),
-        drivers: Iterable[str] = (),
+        drivers: Iterable[str],
+        lifted: Sequence[Effect],
+        coefficients: Mapping[str, float],
     ) -> Self:
         """
-        The design of the evidence of a fitted model.
+        The design of the evidence of a fitted model with some coefficients.
 
         The selection may add the ``lifted`` effects of that model or not: what they
-        explain with their coefficients is added to the residual. ``drivers`` are
-        measured columns beyond the usual ones.
+        explain is added to the residual. ``drivers`` are measured columns beyond the
+        usual ones.
         """
         hours = Hours.from_record(record, evidence.rows)
         first, rows, means = hours.first, hours.count, hours.means
@@ -127,7 +128,7 @@ class Design:
         residual = evidence.residual
         own: dict[str, tuple[str, ...]] = {}
         taken: set[str] = set()
-        for effect, coefficients in lifted:
+        for effect in lifted:
             keys = [key for key in effect.rows() if key in evidence.columns]
             tangents = {name: evidence.columns[name] for name in keys}
             if effect.sensor_fault in sensor_faults:
@@ -140,14 +141,11 @@ class Design:
             taken |= {*keys}
             if not effect.sensor_fault and keys:
                 own[effect.name] = tuple(keys)
-        effects = {e.name: e for e, _ in lifted if e.name in own} | evidence.effects
+        effects = {e.name: e for e in lifted if e.name in own} | evidence.effects
         own |= evidence.own
-        wanted = dict.fromkeys(n for n in evidence.base if n not in taken)
-        base = (*wanted, *evidence.misfits)
-        wanted |= dict.fromkeys(evidence.misfits)
-        for names in own.values():
-            wanted |= dict.fromkeys(names)
-        wanted |= dict.fromkeys(sensor_faults.values())
+        base = [*(n for n in evidence.base if n not in taken), *evidence.misfits]
+        tested = [name for names in own.values() for name in names]
+        wanted = dict.fromkeys([*base, *tested, *sensor_faults.values()])
         columns = [means(residual), *(means(evidence.columns[n]) for n in wanted)]
         cells = np.array(columns).T
         scale = np.sqrt(rows @ cells**2 / rows.sum())
@@ -334,9 +332,9 @@ class Design:
         return np.cumsum(starts)
 
     @cached_property
-    def axes(self) -> list[Axis]:
-        """Ways to sort the cells."""
-        return [*axes(self.places, self.days)]
+    def axes(self) -> dict[str, Axis]:
+        """Ways to sort the cells, by name."""
+        return {axis.name: axis for axis in axes(self.places, self.days)}
 
     def residual_given(self, columns: Sequence[Column]) -> np.ndarray:
         """Residual of a fit of some columns, by cell. [K]"""

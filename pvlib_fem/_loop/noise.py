@@ -159,13 +159,12 @@ def law_misfits(
     if one.effect.sensor_fault:
         tables = [of_hours(design, one, rest)]
     else:
-        mine = own_columns(one.effect.drivers)
-        axes = [axis for axis in design.axes if axis.column in mine]
-        driven = [n for n in one.effect.drivers if n in design.derived]
-        axes += filter(None, (sorted_by("", design.derived[n]) for n in driven))
-        if mine:
-            columns = (design.values(column) for column in one.columns)
-            axes += filter(None, (sorted_by("", column) for column in columns))
+        drivers, derived = one.effect.drivers, design.derived
+        mine = own_columns(drivers)
+        axes = [axis for axis in design.axes.values() if axis.column in mine]
+        columns = [derived[name] for name in drivers if name in derived]
+        columns += map(design.values, one.columns) if mine else []
+        axes += filter(None, (sorted_by("", column) for column in columns))
         weeks = design.rows, design.weeks
         tables = [Cells.from_axes((axis,), *weeks).table(rest) for axis in axes]
     # by a standard error less: no more than is sure
@@ -200,7 +199,7 @@ def of_hours(design: "Design", one: "Candidate", rest: np.ndarray) -> Table:
     goes with a season does so at its own hours. What an hour has on all days is not of
     the change.
     """
-    (hour,) = (axis for axis in design.axes if axis.name == "hour")
+    hour = design.axes["hour"]
     weight = design.weight(one.change)
     much = (weight > weight @ design.rows / design.count).astype(int)
     side = Axis("change", much, ((0, 0), (1, 1)))
@@ -319,8 +318,7 @@ def remaining_share(
 
 def tables_met(design: "Design", effect: Effect) -> Iterator[Kind]:
     """Each table of unknown structure that an effect meets; () for weeks."""
-    axes = {axis.name: axis for axis in design.axes}
-    yield from usual_tables(axes)
+    yield from usual_tables(design.axes)
     if not effect.sensor_fault and design.has_weeks:
         yield ()
     skip = {
@@ -330,12 +328,12 @@ def tables_met(design: "Design", effect: Effect) -> Iterator[Kind]:
         *CLOCK,
         *GEOMETRY,
     }
-    for name, axis in axes.items():
+    for name, axis in design.axes.items():
         if axis.column not in skip and name not in skip:
-            yield (axis, axes["hour"])
+            yield (axis, design.axes["hour"])
 
 
-def usual_tables(axes: Mapping[str, Axis]) -> list[tuple[Axis, ...]]:
+def usual_tables(axes: Mapping[str, Axis]) -> list[Kind]:
     """Axes of the tables over clock and calendar, usual inputs, the sun's position."""
     kinds = [tuple(axes[name] for name in pair if name in axes) for pair in PAIRS]
     return [kind for kind in dict.fromkeys(kinds) if kind]
@@ -361,7 +359,7 @@ def random_effects(
     """
     kinds = [
         Cells.from_axes(kind, design.rows, design.weeks)
-        for kind in usual_tables({axis.name: axis for axis in design.axes})
+        for kind in usual_tables(design.axes)
     ]
     rest = design.residual_given(given)
     tables: list[Table] = []

@@ -99,7 +99,7 @@ def drivers_of(patterns: tuple[Pattern, ...]) -> list[str]:
 def errors_by(
     patterns: tuple[Pattern, ...],
     columns: Mapping[str, pd.Series | None],
-    fallback: bool = False,
+    fallback: bool,
 ) -> pd.DataFrame:
     """
     Error by each pattern at the times of some columns.
@@ -110,7 +110,7 @@ def errors_by(
     columns : dict of Series
         ``poa_global``, ``temp_air``, ``wind_speed`` (or None), and what else the
         patterns need.
-    fallback : bool, default False
+    fallback : bool
         Leave out patterns whose columns are missing.
 
     Returns

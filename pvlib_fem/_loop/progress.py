@@ -33,14 +33,14 @@ def progress_line(disable: bool | None = None) -> tqdm:
 
 @contextmanager
 def stage_reporter(
-    progress: Callable[[str], object] | bool | None = None,
+    progress: Callable[[str], object] | bool | None,
 ) -> Iterator[Callable[[str], None]]:
     """
     A function that takes each stage in a few words.
 
     Parameters
     ----------
-    progress : callable or bool, optional
+    progress : callable, bool or None
         Called with the words, too; True shows them on one line, as the command does.
 
     Yields

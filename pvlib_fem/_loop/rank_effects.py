@@ -159,7 +159,7 @@ def rank_effects(
         evidence = gather_evidence(
             model, coefficients, record, seen, testable, bounds, least
         )
-        design = Design.from_evidence(evidence, record, drivers=drivers)
+        design = Design.from_evidence(evidence, record, drivers, (), coefficients)
         selection = Selection(design, criteria)
         weighed, failed = ranked(selection, evidence, [*design.base], days)
         rows |= {name: {"note": str(why)} for name, why in failed.items()}

@@ -120,8 +120,8 @@ class Choice:
 def selected(
     design: Design,
     criteria: Criteria,
-    closed: frozenset[str] = frozenset(),
-    begin: Sequence[Choice] = (),
+    closed: frozenset[str],
+    begin: Sequence[Choice],
 ) -> tuple["Selection", list[Choice]]:
     """
     A selection and its choices, given the noise that remains.
@@ -132,7 +132,7 @@ def selected(
     criteria : Criteria
     closed : frozenset of str
         Names that are not to be taken.
-    begin : sequence of Choice, optional
+    begin : sequence of Choice
         Choices from which the selection begins, perhaps of another design.
 
     Returns
@@ -287,7 +287,7 @@ class Selection:
             kept = [*kept[:at], *again, *kept[at + 1 :]]
         return kept
 
-    def settled(self, choices: list[Choice], without: str = "") -> list[Choice]:
+    def settled(self, choices: list[Choice], without: str) -> list[Choice]:
         """The choices when none is better replaced, or removed, given the others."""
         for _ in range(SWEEPS):
             changed = False

@@ -88,8 +88,8 @@ def gather_evidence(
     record: Record,
     seen: np.ndarray,
     candidates: Iterable[Effect],
-    fixed: Collection[str] = (),
-    least: float = 0.0,
+    fixed: Collection[str],
+    least: float,
 ) -> Evidence:
     """
     Evidence for candidates given a model at its minimum.
