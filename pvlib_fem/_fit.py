@@ -150,6 +150,10 @@ def fit_fem(
     ``notes`` report where it is large, and where the days are too few to estimate
     it. Below 5 training days errors are NaN.
 
+    Over missing rows the next sample counts for the whole step. With 5 % of the rows of
+    a 5 min record missing, ``capacity`` or ``tau`` is some 2 % too large, which the
+    error does not include; fill short gaps of the drivers on a straight line first.
+
     The tau of ``method="paper"`` decreases as the true time constant increases, see
     the table at :func:`pvlib_fem.paper.time_constant`. That method gives no errors.
 
