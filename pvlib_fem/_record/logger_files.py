@@ -37,6 +37,8 @@ from pvlib_fem._record.numbers import refuse_text, ungrouped, unmarked
 from pvlib_fem._spelling import UNCHECKED, ShellText, did_you_mean, refusal
 from pvlib_fem.types import FilePath
 
+#: what pandas says of a line with too many columns
+LONG_LINE = re.compile(r"Expected (\d+) fields in line (\d+), saw (\d+)")
 MOST_SWELLING = 200  # times its size, to which a packed record unpacks
 MOST_CELLS = 200_000_000  # of a sheet: each takes some 50 bytes while it is read
 
@@ -369,10 +371,16 @@ def csv_table(file: Path, layout: Any, **how: Any) -> pd.DataFrame:
             else f"{file.name} is empty"
         ) from error
     except pd.errors.ParserError as error:
+        odd = LONG_LINE.search(str(error))
+        which, leave = "its lines differ in their number of columns", ""
+        if odd and layout.sep != SPACES:  # lines are counted with their comments
+            before, line, found = map(int, odd.groups())
+            which = f"line {line} has {found} columns, and those before it {before}"
+            if before > 1 and not layout.skip_rows:  # else the header comes later
+                leave = f"--skip-lines {line - 1} to leave it out, "
         raise ValueError(
-            f"{file.name} is no table with the separator {layout.sep!r}: its lines "
-            "differ in their number of columns; give --skip-rows for lines before the "
-            "header, and --sep"
+            f"{file.name} is no table with the separator {layout.sep!r}: {which}; give "
+            f"{leave}--skip-rows for lines before the header, or --sep"
         ) from error
     if data.shape[1] == 1:
         raise ValueError(

@@ -546,3 +546,17 @@ def test_a_file_is_screened_by_a_command(plant, tmp_path):
     assert "temp_air holds the fill value -999 in 3 rows" in shown.output
     refused = call("screen", path, "--cleaned", path)
     assert refused.exit_code == 1 and "would overwrite" in refused.output
+
+
+def test_a_line_with_too_many_columns_is_named_and_can_be_left_out(plant, tmp_path):
+    """In a long record nobody finds it by eye."""
+    path = tmp_path / "log.csv"
+    plant.to_csv(path, index_label="time")
+    lines = path.read_text().splitlines()
+    lines[1000] += ",9"
+    path.write_text("\n".join(lines))
+    said = r"line 1001 has 8 columns, and those before it 7; give --skip-lines 1000"
+    with pytest.raises(ValueError, match=said):
+        fem.read_file(path)
+    read = fem.read_file(path, skip_lines=1000)
+    assert len(read) == len(plant) - 1 and plant.index[999] not in read.index
