@@ -177,7 +177,7 @@ def fem_temperature(
         ``"noct"``, ``"noct_sam"``, or a steady model of pvlib's shape
         ``(poa_global, temp_air, wind_speed, **coefficients)`` such as
         :func:`pvlib.temperature.sapm_cell`. Its further series (``ir_down``, say)
-        are not smoothed.
+        are not smoothed; ``effective_irradiance`` is refused for that reason.
     step : float, optional
         Even time step, when the inputs are arrays. [s]
     times : DatetimeIndex or array, optional
@@ -304,6 +304,11 @@ def heat_balance(
     See Also
     --------
     fem_temperature : the paper's form, for any steady model.
+
+    Notes
+    -----
+    As in :func:`ewm`, the next sample counts for the whole of a gap, and after a gap
+    longer than five time constants the module starts at its steady temperature.
 
     References
     ----------
@@ -434,6 +439,11 @@ def as_function(model: Any, coefficients: dict) -> Callable:
             air + poa * checked_resistance(chosen, wind, complete)
         )
     refuse_dynamic(model)
+    if np.ndim(coefficients.get("effective_irradiance", 0.0)):
+        raise ValueError(
+            "effective_irradiance is that of the moment, and poa_global is smoothed: "
+            "their ratio would be no efficiency; leave it out"
+        )
     try:
         signature = inspect.signature(model).parameters
     except (TypeError, ValueError):  # a compiled function has no signature

@@ -310,6 +310,14 @@ def test_a_model_with_its_own_memory_is_refused(drivers, model):
         fem.DynamicCellTemperature(model)
 
 
+def test_effective_irradiance_beside_smoothed_irradiance_is_refused(drivers):
+    """SAM's efficiency is their ratio: above 1 after a cloud, and 0/0 at night."""
+    known = dict(model=pvlib.temperature.noct_sam, noct=45.0, module_efficiency=0.2)
+    with pytest.raises(ValueError, match="effective_irradiance is that of the moment"):
+        fem.fem_temperature(*drivers, effective_irradiance=drivers[0], **known)
+    assert fem.fem_temperature(*drivers, **known).notna().all()
+
+
 @pytest.mark.parametrize("function", [fem.fem_temperature, fem.heat_balance])
 def test_coefficients_by_place_are_refused(drivers, function):
     """pvlib's habit faiman(poa, air, wind, 25.0, 6.84) would be tau and bias."""
