@@ -307,8 +307,8 @@ def heat_balance(
 
     Notes
     -----
-    As in :func:`ewm`, the next sample counts for the whole of a gap, and after a gap
-    longer than five time constants the module starts at its steady temperature.
+    The next sample counts for the whole of a gap, see :func:`ewm`. After a gap longer
+    than five time constants the module starts at its steady temperature.
 
     References
     ----------

@@ -203,7 +203,7 @@ SLOW_CLIP = dict(k=0.033, k_w=0.002, wind_speed_max=4.0)
 
 @methods
 def test_the_wind_up_to_which_wm2_cools_is_a_constant(method):
-    """As in pvlib_fem.wm2 and in a fit that holds it."""
+    """pvlib_fem.wm2 and a fit that holds it take it, too."""
     answer = translate_coefficients(SLOW_CLIP, "wm2", "wm2", method)
     assert answer == SLOW_CLIP
     for target in ("faiman", "sapm"):
