@@ -127,9 +127,12 @@ def smoothed(
     Raises
     ------
     ValueError
-        If ``tau`` is not positive or has another length, or ``initial`` is invalid or
-        given together with ``adjust``.
+        If ``tau`` is not positive or has another length or index, or ``initial`` is
+        invalid or given together with ``adjust``.
     """
+    other = isinstance(tau, pd.Series) and not tau.index.equals(inputs.index)
+    if other and inputs.is_series:
+        raise ValueError("tau and the signal have different indexes; align them first")
     tau = time_constant(tau, len(inputs.index)) / inputs.unit
     if adjust and initial is not None:
         raise ValueError(

@@ -230,6 +230,15 @@ def test_a_list_of_time_constants_must_fit_the_samples():
         ewm([0.0, 1.0, 2.0], [378.0, 378.0], step=60)
 
 
+def test_time_constants_of_other_times_are_refused(month):
+    """Row by row they would be those of other weather, without a word."""
+    sun, wind = (month[name].iloc[:200] for name in ("poa_global", "wind_speed"))
+    tau = 700.0 - 50.0 * wind.clip(upper=10.0)
+    assert ewm(sun, tau).notna().all()
+    with pytest.raises(ValueError, match="tau and the signal have different indexes"):
+        ewm(sun, tau[::-1])
+
+
 @pytest.mark.parametrize(
     ("initial", "message"),
     [
