@@ -72,6 +72,10 @@ class DynamicCellTemperature:
     array's ``temperature_model_parameters`` when no ``temperature_model`` is
     given.
 
+    Coefficients hold for wind at the height of the anemometer to which they were
+    fitted. Most weather files have the wind at 10 m; give ``wind_speed =
+    weather["wind_speed"] * (height / 10)**(1 / 7)``.
+
     In pvlib's chain the efficiency of ``"noct_sam"`` follows the effective irradiance;
     here it is constant. So even a steady run differs from pvlib's, by some tenths of
     a kelvin.
