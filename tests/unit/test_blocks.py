@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 from conftest import COLUMNS
 from hypothesis import given, strategies as st
+from test_leastsquares import normal
 
 import pvlib_fem as fem
 from pvlib_fem._fitting import row_source as rows_of
@@ -17,7 +18,6 @@ from pvlib_fem._fitting.search import with_tables
 from pvlib_fem._loop.tangents import Tangents, gapless_column
 from pvlib_fem._record.inputs import as_record
 from pvlib_fem._statistics.clusters import cluster_sums
-from pvlib_fem._statistics.leastsquares import normal
 from pvlib_fem._thermal import compiled, model as thermal
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
 from pvlib_fem.effects import find

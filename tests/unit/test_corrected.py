@@ -275,7 +275,7 @@ def test_an_ambiguous_finding_changes_nothing_until_its_cause_is_given(ambiguous
     ] == pytest.approx(0.12, abs=0.01)
     mounting = loop.corrected(data, "mounting_step")
     assert mounting.data[list(COLUMNS)].equals(data)
-    assert "no fault of an instrument" in str(mounting)
+    assert "no wrong reading of an instrument" in str(mounting)
 
 
 def test_a_cause_can_be_of_one_finding(ambiguous):

@@ -341,7 +341,7 @@ def test_least_squares_needs_no_more_than_it_needs(month):
 
 
 def test_a_search_that_does_not_end_is_said(month, monkeypatch):
-    monkeypatch.setattr(descent, "__defaults__", (1, 1e-12))
+    monkeypatch.setattr(descent, "__defaults__", (1, 1e-12, ()))
     fit = fem.fit_fem(*(month[name] for name in COLUMNS))
     assert not fit.converged
     assert "the search did not converge: do not trust the numbers" in fit.notes
