@@ -5,7 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pvlib_fem._report.formatting import two_decimals, value_and_error
+from pvlib_fem._report.formatting import (
+    constants_of,
+    two_decimals,
+    value_and_error,
+)
 
 if TYPE_CHECKING:
     from pvlib_fem._fitting.fem_fit import FemFit
@@ -33,13 +37,18 @@ def lines(fit: "FemFit") -> Iterator[str]:
         f"step {record.step:g} s; {days} fitted, {fit.test_days} held out"
     )
     yield ""
-    rows = fit.thermal_model.parameters
-    wide = max(12, *(len(name) + 1 for name in (*rows, *fit.scores.index)))
+    model = fit.thermal_model
+    rows, constants = model.parameters, model.steady_model.constants
+    names = *rows, *constants, *fit.scores.index
+    wide = max(12, *(len(name) + 1 for name in names))
     yield f"{'coefficient':<{wide}}{'value':>12}{'± error':>12}   unit"
     for name, row in rows.items():
         value, error = value_and_error(fit, name)
         bound = "   at its bound" if name in fit.at_bound else ""
         yield f"{name:<{wide}}{value:>12}{error:>12}   {row.unit}{bound}"
+    for name, value, source in constants_of(fit):
+        unit = constants[name].unit
+        yield f"{name:<{wide}}{value:>12}{source:>12}   {unit}"
     yield ""
     yield f"error after each step, {'day and night' if fit.night else 'daytime'} [K]"
     wide = wide if fit.effects else 10

@@ -86,6 +86,25 @@ def value_and_error(fit: "FemFit", name: str) -> tuple[str, str]:
     return size, margin
 
 
+def constants_of(fit: "FemFit") -> list[tuple[str, str, str]]:
+    """
+    The constants of a fit's steady model, without which its coefficients say little.
+
+    Parameters
+    ----------
+    fit : FemFit
+
+    Returns
+    -------
+    list of (str, str, str)
+        Name, value, and "held" if the user gave it, otherwise "default".
+    """
+    return [
+        (name, f"{value:.5g}", "held" if name in fit.fixed else "default")
+        for name, value in fit.thermal_model.constants.items()
+    ]
+
+
 def with_error(value: float, error: float) -> str:
     """
     A value to the two digits of its error, and that; alone without one.

@@ -20,6 +20,7 @@ from pvlib_fem._report.document import (
     table,
 )
 from pvlib_fem._report.formatting import (
+    constants_of,
     range_text,
     two_decimals,
     two_digits,
@@ -97,6 +98,9 @@ def coefficients(
         span = f"{row.lower:g} … {row.upper:g}{share}"
         other = range_text(*ranges[name]) if name in ranges else ""
         rows.append((name, value, error, row.unit, other, span, bound))
+    for name, value, source in constants_of(fit):
+        unit = fit.thermal_model.steady_model.constants[name].unit
+        rows.append((name, value, source, unit, "", "", ""))
     for one in corrections:  # a clock has numbers and no place in the model
         for name, value in one.values.items():
             error = two_digits(one.stderr.get(name, np.nan))

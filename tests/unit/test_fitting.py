@@ -451,6 +451,18 @@ def test_what_is_held_is_not_fitted(month, noise):
     assert (fit.confidence_interval().loc["tau"] == 378.0).all()
 
 
+def test_a_report_has_the_constants_that_its_coefficients_hold_for(month, noise):
+    """A u_c of PVsyst is of an efficiency and an absorptance, and says little alone."""
+    usual = [month[n] for n in DRIVERS]
+    known = {"u_c": 25.0, "u_v": 1.2, "module_efficiency": 0.2, "tau": 378.0}
+    module = fem.fem_temperature(*usual, model="pvsyst", **known)
+    module = module + noise(len(month), 0.2)
+    fit = fem.fit_fem(*usual, module, model="pvsyst", fixed={"module_efficiency": 0.2})
+    for page in (str(fit), re.sub("<[^>]*>", " ", fit.to_html())):
+        assert re.search(r"module_efficiency +0\.2 +held", page)
+        assert re.search(r"alpha_absorption +0\.9 +default", page)
+
+
 @pytest.mark.parametrize("held", [{"k": 0.03}, {"k_w": 0.002}])
 def test_a_share_or_its_whole_can_be_held(month, noise, held):
     """WM2's k_w is searched as a share of k."""
