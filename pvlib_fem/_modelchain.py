@@ -54,7 +54,8 @@ class DynamicCellTemperature:
         Cell minus back temperature at 1000 W/m², proportional to the present
         irradiance, as in :func:`pvlib.temperature.sapm_cell`. [K]
     k_bs_c : float, default 0
-        Back-to-cell resistance on smoothed irradiance [1]_. [K m²/W]
+        Back-to-cell resistance, instead of ``deltaT``, on irradiance smoothed with
+        ``tau`` [1]_, or with 378 s if the coefficients have none. [K m²/W]
     effects : str, dict, Effect or sequence of them, optional
         Physical effects whose coefficients are among ``coefficients``. If they need
         the solar position and the plane of the module, the chain provides them.
@@ -245,6 +246,11 @@ class DynamicCellTemperature:
             steady = steady_model(named, coefficients)
             temperature = replace(self.thermal, steady_model=steady).predict(
                 poa_global, temp_air, wind_speed, coefficients, **own
+            )
+        if delta and k_bs_c:
+            raise ValueError(
+                f"deltaT = {delta:g} K and k_bs_c = {k_bs_c:g} K m²/W both lead from "
+                "the back of the module to its cells; give one of them"
             )
         if delta:
             temperature = temperature + poa_global / reference * delta

@@ -246,6 +246,16 @@ def test_an_array_without_coefficients_is_named(weather):
         chain(system(180), fem.DynamicCellTemperature("wm1")).run_model(weather)
 
 
+@pytest.mark.parametrize("where", ["model", "array"])
+def test_the_way_from_the_back_to_the_cells_is_gone_once(where, weather):
+    """Together they would make the cells twice as much warmer than the back."""
+    parameters = {**WM1, "deltaT": 3.0} if where == "array" else WM1
+    own = {} if where == "array" else {"deltaT": 3.0}
+    model = fem.DynamicCellTemperature("wm1", k_bs_c=0.003, **own)
+    with pytest.raises(ValueError, match=r"deltaT = 3 K and k_bs_c = 0.003 K m²/W"):
+        chain(system(180, parameters=parameters), model).run_model(weather)
+
+
 @pytest.mark.parametrize("dynamics", ["ewm", "balance"])
 def test_from_the_back_of_the_module_to_its_cells(weather, dynamics):
     model, coefficients = ("wm1", WM1) if dynamics == "ewm" else ("faiman", BALANCE)
