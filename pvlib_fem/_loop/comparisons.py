@@ -142,6 +142,8 @@ def of_wind(change: np.ndarray, coefficients: Mapping[str, float]) -> np.ndarray
 
 
 LIGHT: dict[str, Shows] = {"irradiance_sensor": lambda change, _: np.log1p(change)}
+#: light that the modules have, and no sensor
+OWN_LIGHT: dict[str, Shows] = {"module_irradiance": lambda change, _: np.log1p(change)}
 #: modules in another plane than the sensor, whose own light is as it should be
 STUCK: dict[str, Shows] = {"tracker_stuck": lambda change, _: np.log1p(change)}
 WIND: dict[str, Shows] = {"anemometer": of_wind}
@@ -158,7 +160,7 @@ COMPARISONS = (
         bright,
         per_irradiance,
         log_ratio,
-        LIGHT | STUCK,
+        LIGHT | OWN_LIGHT | STUCK,
         ages=True,
         module=True,
     ),

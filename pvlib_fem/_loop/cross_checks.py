@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 HALF = 0.5  # of what is expected: less is nearer to nothing
 SURE = 2.0  # standard errors
 WORTH = 0.05  # probability of a member from which its cross-checks are reported
+DIGITS = 9  # of what is expected
 ODD = 0.05  # probability that a reference shows something else than any candidate
 
 
@@ -38,9 +39,8 @@ def log_likelihoods(
     The deviation of a reference along the time profile of the best dated member is
     compared with the deviation that each member predicts. A cause that is in no
     instrument predicts none. An effect by a power predicts any that this power may
-    show, and so does a cause outside that looks like it. A cause outside that changes
-    the light on the modules shows in power as the irradiance sensor does. Time profiles
-    of one instrument are compared by the residual of the reference given each.
+    show, and so does a cause outside that looks like it. Time profiles of one
+    instrument are compared by the residual of the reference given each.
 
     Parameters
     ----------
@@ -76,10 +76,6 @@ def log_likelihoods(
             )
             for name, value in expected.items()
         }
-        lit = [n for n in names if choice.members[n].effect.unseen_light]
-        if lit and is_power(one.column):
-            both = likelihoods[OUTSIDE], likelihoods[lit[0]]
-            likelihoods[OUTSIDE] = 0.5 * sum(both)
         for name, likely in likelihoods.items():
             # an imitation of an effect by this power shows in it, too
             member = choice.top if name == OUTSIDE else choice.members[name]
@@ -145,6 +141,7 @@ def cross_checks(
             if time_profile_of(choice.members[name].effect) == time_profile_of(first)
             and max(choice.probabilities[name], choice.weights[name]) >= WORTH
         ]
+        alike.sort(key=lambda name: name != first.name)
         shown = one.shown(choice, first, alike, coefficients)
         if shown is None:
             continue
@@ -152,7 +149,11 @@ def cross_checks(
         years = years_to_end(first)  # of a trend that ends, what it reaches
         unit = one.comparison.unit + ("/year" if is_drift(first) and not years else "")
         times = years or 1.0
+        told: set[float] = set()
         for name in alike:
+            if (same := round(expected[name], DIGITS)) in told:  # of the same law
+                continue
+            told.add(same)
             value = expected[name] - aged
             outcome = outcome_of(size, value, float(np.hypot(error, aged / SURE)))
             numbers = (times * size, times * error, times * value)

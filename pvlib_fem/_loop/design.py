@@ -28,7 +28,7 @@ from pvlib_fem._statistics.weekly_sums import (
 )
 from pvlib_fem.drivers import derive_drivers, is_derived, is_modelled, own_columns
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.effects._time_profiles import weights_of
+from pvlib_fem.effects._time_profiles import time_profile_of, weights_of
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.tangents import Evidence
@@ -497,6 +497,17 @@ class Design:
             return self.own.get(effect.name, ())
         place = self.sensor_faults.get(effect.sensor_fault)
         return () if place is None else (Changed.from_effect(place, effect),)
+
+    def of_same_law(self, effect: Effect) -> list[Effect]:
+        """Other faults along the same column, with the time profile of one, if any."""
+        place = self.sensor_faults.get(effect.sensor_fault)
+        return [
+            other.dates(**effect.settings)
+            for other in self.changing
+            if other.sensor_fault != effect.sensor_fault
+            and self.sensor_faults[other.sensor_fault] == place
+            and time_profile_of(other) == time_profile_of(effect)
+        ]
 
     def scales(self, columns: Sequence[Column]) -> np.ndarray:
         """What the coefficients of some columns are to be divided by."""

@@ -138,12 +138,12 @@ def dated_candidates(
     if days <= 2 * side:
         return
     scan = Scan.from_design(design, given, side)
-    for sensor_fault, place in design.sensor_faults.items():
-        changes = {
-            time_profile_of(effect): effect
-            for effect in design.changing
-            if effect.sensor_fault == sensor_fault
-        }
+    places = design.sensor_faults
+    for place in dict.fromkeys(places.values()):
+        changes: dict[str, Effect] = {}
+        for effect in design.changing:
+            if places[effect.sensor_fault] == place:  # others of that law are the same
+                changes.setdefault(time_profile_of(effect), effect)
         if not changes:
             continue
         for time_profile, dates in scan.along(place, *possible_signs(changes)):

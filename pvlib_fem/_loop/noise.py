@@ -51,16 +51,16 @@ PAIRS = (
 )
 MOST_TABLES = 3  # of random effects
 ALIKE = 0.1  # of unknown causes that follow a driver, as alike as its effect
-#: probability that the modules' own light has changed, not what the sensor gets of it;
-#: below a half, since its law is the same, so that a model with it is right in either
-#: case
-OWN_LIGHT = 0.45
+#: probability that the modules have more light by a reflection, not the sensor less by
+#: shade; below a half, since its law is the same, so that a model with it is right in
+#: either case
+REFLECTED = 0.45
 
 
 def prior_of(effect: Effect, outside: float) -> tuple[float, float]:
     """Probability of a cause outside as a rival, and that it looks alike."""
-    if effect.unseen_light:  # dirt on the modules, or a reflection, looks the same
-        return OWN_LIGHT, 1.0
+    if effect.unseen_light:  # a reflection onto the modules looks the same
+        return REFLECTED, 1.0
     # heat along a user's column is no law that another cause would break, and a wind
     # from one side brings air of its own
     if effect.column or effect.name == "wind_direction":

@@ -88,10 +88,10 @@ def events_of(fits: "Fits", step: "Step") -> pd.DataFrame:
 def true_over_read(
     step: "Step", model: ThermalModel, dates: np.ndarray
 ) -> np.ndarray | float:
-    """Irradiance over what its sensor reads, by its faults in the model. [-]"""
+    """Irradiance on the modules over what the sensor reads, by the model. [-]"""
     ratio: np.ndarray | float = 1.0
     for effect in model.effects:
-        if effect.sensor_fault == "irradiance_sensor":
+        if effect.sensor_fault in ("irradiance_sensor", "module_irradiance"):
             (change,) = (step.coefficients[name] for name in effect.rows())
             ratio = ratio * (1.0 + change * weights_of(effect, dates))
     return ratio

@@ -84,7 +84,7 @@ def ranked(
     design, failed = selection.design, dict(evidence.failed)
     rows: dict[str, Row] = {}
     there: list[tuple[Candidate, np.ndarray]] = []
-    for one in selection.candidates(given, taken):
+    for one in selection.with_same_law(selection.candidates(given, taken)):
         squares = design.whole([*given, *one.columns])
         size = len(one.columns)
         own = np.diag(squares)[-size:]

@@ -1,5 +1,6 @@
 """Selection of candidates by the remaining error, with their probabilities."""
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -9,7 +10,7 @@ import numpy as np
 from pvlib_fem._loop.change_dates import Scan
 from pvlib_fem._loop.change_sums import PROFILE_ERROR, UNSEEN, dates_cost
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.design import Column, Design
+from pvlib_fem._loop.design import Column, Design, place_of
 from pvlib_fem._loop.dictionary import (
     Candidate,
     all_candidates,
@@ -339,6 +340,20 @@ class Selection:
         others = [one for one in self.known[key] if one.name not in {*taken}]
         return [one for one in others if not without or one.time_profile != without]
 
+    def with_same_law(self, candidates: Iterable[Candidate]) -> Iterator[Candidate]:
+        """
+        Candidates, each followed by other faults along its column on the same days.
+
+        Temperature cannot tell such faults apart, so that one of them is searched for.
+        References may.
+        """
+        for one in candidates:
+            yield one
+            for effect in self.design.of_same_law(one.effect):
+                if effect.name not in self.closed:
+                    columns = self.design.columns_of(effect)
+                    yield replace(one, effect=effect, columns=columns)
+
     def best(
         self,
         choices: Sequence[Choice],
@@ -462,10 +477,13 @@ class Selection:
         """A choice with its rivals, by how much of its part each explains."""
         top = choice.top
         given = self.given(others)
-        parts = {top.name: choice.score}
-        members = {top.name: top}
+        members: dict[str, Candidate] = {}
+        parts: dict[str, Score] = {}
         # a change that is in the model may be the cause of other days, too
-        taken = frozenset(names_of(others))
+        tops = (other.top for other in others)
+        taken = frozenset(one.name for one in self.with_same_law(tops))
+        for one in self.with_same_law([top]):
+            members[one.name], parts[one.name] = one, self.score(one, given)
         rivals = [one for one in self.candidates(given) if one.beyond(given)]
         for one, fall in zip(rivals, self.in_sample(rivals, given)):
             if one.name in members or fall < OVERLAP * choice.fall:
@@ -474,7 +492,9 @@ class Selection:
                 continue
             score = self.score(one, given)
             if score.possible and score.probability >= DOUBT:
-                members[one.name], parts[one.name] = one, score
+                for rival in self.with_same_law([one]):
+                    members[rival.name] = rival
+                    parts[rival.name] = self.score(rival, given)
         sure = choice.score.z_score
         weights = self.posterior(members, given, top, min(sure, 1.0 / PROFILE_ERROR))
         choice = replace(
@@ -529,7 +549,7 @@ class Selection:
             shared[i] = np.minimum(shared[i], share * most)
         shapes = any(one.effect.confounder for one in members.values())
         law = (self.criteria.shape_error if shapes else self.criteria.law_error) ** 2
-        # time profiles of one law differ by no error of that law
+        # time profiles of one fault differ by no error of its law
         groups: dict[str, list[int]] = {}
         logs = np.empty_like(parts)
         for i, one in enumerate(members.values()):
@@ -543,6 +563,10 @@ class Selection:
             best = shared[same].max(axis=0)
             logs[same] = within - 0.5 * (most - best) / (law * most)
         logs += np.array([[one.log_prior] for one in members.values()])
+        # faults of one law share its prior
+        places = [place_of(one.columns[0]) for one in members.values()]
+        faults = Counter(places[same[0]] for same in groups.values())
+        logs -= np.log([[faults[place]] for place in places])
         shares = np.exp(logs - logs.max(axis=0))
         shares = (shares / shares.sum(axis=0))[:, 1:].mean(axis=1)
         return dict(zip(members, shares.tolist()))

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
@@ -230,9 +230,10 @@ def ready_effects(
     Inputs with the drivers of all effects, what is tried of them, and why not.
 
     An effect that is scanned enters as the wide one from which its scan takes it, and
-    all time profiles of a sensor fault as one constant fault.
+    all time profiles of a sensor fault as one constant fault, with those of other
+    faults that have the same terms.
     """
-    tried: dict[str, Tried] = {}
+    tried: dict[Any, Tried] = {}
     failed: dict[str, Because] = {}
     for effect in candidates:
         try:
@@ -240,15 +241,15 @@ def ready_effects(
                 dated = derive_drivers(inputs, ["day"])
                 effect = effect.prepare(dated.columns, seen)
             wide = effect.scanned_from or effect
-            name = effect.sensor_fault if effect.dates else effect.name
-            if effect.dates and name in tried:
-                time_profiles = (*tried[name].time_profiles, effect)
-                tried[name] = replace(tried[name], time_profiles=time_profiles)
+            key = wide.terms if effect.dates else effect.name
+            if effect.dates and key in tried:
+                time_profiles = (*tried[key].time_profiles, effect)
+                tried[key] = replace(tried[key], time_profiles=time_profiles)
                 continue
-            wide = replace(wide, name=name) if effect.dates else wide
+            wide = replace(wide, name=effect.sensor_fault) if effect.dates else wide
             inputs = replace(model, effects=(wide,)).with_drivers(inputs)
             time_profiles = (effect,) if effect.dates else ()
-            tried[name] = Tried(wide, effect.scan, time_profiles)
+            tried[key] = Tried(wide, effect.scan, time_profiles)
         except Exception as error:  # whatever an effect does, the others go on
             failed[effect.name] = reason_of_error(error)
     return inputs, [*tried.values()], failed

@@ -2,8 +2,9 @@
 Add an effect to a measured record.
 
 A physical effect, or a fault at the module, changes the module temperature by the
-response of the record's own model. A fault of another sensor changes the column of that
-sensor, so second sensors, the sky and the weather deviate from it as they would.
+response of the record's own model; other light on the modules changes power, too. A
+fault of another sensor changes the column of that sensor, so second sensors, the sky
+and the weather deviate from it as they would.
 """
 
 from collections.abc import Sequence
@@ -13,7 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._record.column_names import printable
+from pvlib_fem._record.column_names import is_power, printable
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._recovery.draw import Injection
 from pvlib_fem._thermal.model import ThermalModel
@@ -69,6 +70,12 @@ class Injector:
         parts = (injection.coefficients, effect.start)
         return self.added(model, effect.drivers, *parts)
 
+    def more_power(self, effect: Effect, change: float) -> dict[str, np.ndarray]:
+        """What power gets of a change of the light on the modules, by its column."""
+        more = change * weights_of(effect, self.record.dates)
+        names = filter(is_power, self.record.inputs.columns)
+        return {name: np.nan_to_num(more * self.record[name]) for name in names}
+
     def own_changes(self) -> Any:
         """Module temperature that the record's own faults add. [K]"""
         changes = [effect for effect in self.model.effects if effect.sensor_fault]
@@ -107,6 +114,8 @@ class Injector:
         name = READS.get(effect.sensor_fault)
         if name is None:
             change = {"temp_module": self.response(injection)}
+            if effect.sensor_fault == "module_irradiance":
+                change |= self.more_power(effect, *injection.coefficients.values())
         else:
             (size,) = injection.coefficients.values()
             read = faulty_reading(self.record, effect, size, self.coefficients)

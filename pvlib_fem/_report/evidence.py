@@ -312,6 +312,7 @@ POWER = (power_deficit,)
 #: pictures of a finding, by the sensor fault or the name of its effect
 SHOWN = {
     "irradiance_sensor": (irradiance,),
+    "module_irradiance": (irradiance, temperature_rise),
     "soiling": (irradiance,),
     "sensor_covered": (power_deficit, irradiance),
     "anemometer": (anemometer, wind_by_date),

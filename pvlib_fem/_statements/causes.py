@@ -297,6 +297,16 @@ def mounting(effect: Effect, numbers: Numbers) -> Clause:
     return Clause("mounting", words, action, **estimate)
 
 
+def module_irradiance(effect: Effect, numbers: Numbers) -> Clause:
+    estimate, more, each = of_share(effect, numbers, ("less", "more"))
+    action = (
+        "Look for dirt on the modules, their cleaning, and changes of the ground or "
+        "surfaces around them"
+    )
+    words = f"the modules receive {more} irradiance for what the sensor reads{each}"
+    return Clause(MODULES, words, action, **estimate)
+
+
 def time_constant(effect: Effect, numbers: Numbers) -> Clause:
     estimate, longer, each = of_share(effect, numbers, ("shorter", "longer"))
     action = (
@@ -452,6 +462,7 @@ def tracker_stuck(effect: Effect, numbers: Numbers) -> Clause:
 #: causes whose words have a direction of their own
 SPECIAL = {
     "mounting": mounting,
+    "module_irradiance": module_irradiance,
     "time_constant": time_constant,
     "soiling": soiling,
     "shading": shading,

@@ -46,9 +46,6 @@ MEASURE_WET = (
 MEASURES = {**dict.fromkeys(PAST, MEASURE_STORE), SINCE_RAIN: MEASURE_WET}
 #: what the catalogue has not, and looks as light that the irradiance sensor misses
 REFLECTED = Clause(MODULES, "a surface nearby reflects light onto the modules")
-CHANGED = Clause(
-    MODULES, "dirt, cleaning or the ground has changed the light on the modules"
-)
 HALF = 0.5  # of its days, on which modules stand out that do not stand with a sensor
 STUCK = "sensor_stuck"  # cause of a tracker's irradiance sensor that does not turn
 LEFT_OUT = "left out"  # verdict of what is not used
@@ -128,12 +125,9 @@ def finding_statement(finding: Finding, loop: "Loop") -> Statement:
     action = action_of(finding, clauses, known)
     outside = OUTSIDE_WORDS
     # light that modules have and the sensor has not may also be more of theirs
-    unseen = [effect for effect in known if effect.unseen_light]
+    unseen = any(effect.unseen_light for effect in known)
     if unseen and finding.probabilities.get(OUTSIDE, 0.0) >= LEAST:
-        if unseen[0].sensor_fault:
-            clauses, outside = [*clauses, CHANGED], "the light on the modules"
-        else:
-            clauses, outside = [*clauses, REFLECTED], "a reflection"
+        clauses, outside = [*clauses, REFLECTED], "a reflection"
     return Statement(
         cause=finding.effect,
         device=" or ".join(dict.fromkeys(clause.device for clause in clauses)),

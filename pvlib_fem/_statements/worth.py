@@ -27,6 +27,7 @@ REFERENCE = 25.0  # °C, of the power that a kWp is
 #: sensor fault or the name of the effect
 LIGHT = (
     "irradiance_sensor",
+    "module_irradiance",
     "soiling",
     "shading",
     "poa_misalignment",

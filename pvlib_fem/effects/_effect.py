@@ -170,8 +170,7 @@ class Effect:
         ``dates(**dates)`` returns the effect with dates, for one that has none yet.
     unseen_light : bool, default False
         Whether the irradiance sensor shows more or less light than the modules have.
-        A change of their own light, as by a reflection, dirt, cleaning or brighter
-        ground, looks the same.
+        A reflection onto the modules looks the same.
     """
 
     name: str

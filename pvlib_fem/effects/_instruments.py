@@ -20,7 +20,9 @@ def irradiance_sensor(poa_global: np.ndarray, *, change: float) -> Terms:
         \mathrm{heat} = \mathrm{change} \cdot \mathrm{poa\_global}
 
     It is positive if the sensor reads less than before: it loses sensitivity, soils, is
-    tilted away, or has a new calibration.
+    tilted away, or has a new calibration. It is also positive if the modules receive
+    more than before: they were cleaned, or the ground is brighter. Temperature and
+    power cannot tell these apart; a clear sky or a second irradiance sensor can.
 
     References
     ----------
@@ -183,14 +185,27 @@ SENSOR_FAULTS = (
         decided_by="a recalibration of the irradiance sensor, or a comparison with "
         "power and a clear sky",
         confused_with=(
+            "module_irradiance",
             "module_sensor_contact",
             "mounting",
             "season",
             "soiling",
             "a module that ages",
-            "dirt on the modules, their cleaning, or a brighter ground",
         ),
-        unseen_light=True,
+    ),
+    Effect(
+        "module_irradiance",
+        irradiance_sensor,
+        {"change": Parameter(0.0, -0.5, 1.0, "-")},
+        decided_by="a look at the modules and the ground, or a comparison of the "
+        "irradiance sensor with a clear sky or a second sensor",
+        confused_with=(
+            "irradiance_sensor",
+            "module_sensor_contact",
+            "mounting",
+            "season",
+            "soiling",
+        ),
     ),
     Effect(
         "module_sensor_contact",

@@ -204,8 +204,10 @@ def ambiguous(true):
 
 @pytest.fixture(scope="module")
 def named_one(true):
-    """A sensor that loses an eighth, of a record whose power shows it."""
+    """A sensor that loses an eighth, as power and a second sensor show."""
     data = faulty(true, effect_of("irradiance_sensor_step"), 0.12)[list(COLUMNS)]
+    random = np.random.default_rng(5).normal(0.0, 0.01, len(data))
+    data = data.assign(poa_global_2=true["poa_global"] * (1.0 + random))
     data["power_ac"] = power_of(true)
     return data, fem.close_loop(data)
 

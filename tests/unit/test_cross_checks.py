@@ -33,18 +33,39 @@ def after(data):
 
 
 def test_power_names_the_irradiance_sensor_or_the_light(half_a_year):  # noqa: F811
-    """It reads a tenth less from a date on, or the modules get a tenth more."""
+    """It reads a tenth less from a date on, or the modules get a tenth more light."""
     data, _ = with_change(half_a_year)
     data = with_power(data, 0.1)
     data["poa_global"] /= 1.0 + 0.1 * after(data)
     first = closed(data).finding_objects[0]
-    assert first.candidates == ("irradiance_sensor_step",)
+    assert first.candidates == ("irradiance_sensor_step", "module_irradiance_step")
     assert first.verdict is Verdict.AMBIGUOUS
-    assert 0.2 < first.probabilities["outside"] < 0.5
+    one, other = (first.probabilities[name] for name in first.candidates)
+    assert one == other > 0.4
     (check,) = (one for one in first.cross_checks if one.effect == first.effect)
     assert check.column == "power_ac" and check.outcome is CheckOutcome.AGREES
     assert check.size == pytest.approx(np.log(1.1), abs=3 * check.stderr + 0.005)
     assert "power_ac deviate from the sensor" in first.why
+
+
+def test_a_second_sensor_names_the_light_on_the_modules(half_a_year):  # noqa: F811
+    """Modules are washed, and no reading changes."""
+    data, _ = with_change(half_a_year, "module_irradiance_step")
+    random = np.random.default_rng(2).normal(0.0, 0.01, len(data))
+    data = with_power(data, 0.1).assign(
+        poa_global_2=data["poa_global"] * (1.0 + random)
+    )
+    data["power_ac"] *= 1.0 + 0.1 * after(data)
+    loop = closed(data)
+    first = loop.finding_objects[0]
+    assert first.effect == "module_irradiance_step"
+    assert first.verdict is Verdict.IDENTIFIED
+    outcomes = {(one.column, one.effect): one.outcome for one in first.cross_checks}
+    assert outcomes["power_ac", first.effect] is CheckOutcome.AGREES
+    low, high = first.ranges["module_irradiance_step.change"]
+    assert low <= 0.1 <= high
+    assert "the modules receive" in loop.statements["text"].iloc[0]
+    assert loop.corrected(data).data["poa_global"].equals(data["poa_global"])
 
 
 def test_power_speaks_for_the_irradiance_sensor_where_the_mounting_changed(

@@ -24,6 +24,7 @@ from pvlib_fem.effects._time_profiles import YEAR, date_text, day_number, weight
 #: sizes that are found outdoors
 SIZES = {
     "irradiance_sensor": 0.1,
+    "module_irradiance": 0.1,
     "module_sensor_contact": -0.15,
     "mounting": -0.15,
     "anemometer": 3.0,

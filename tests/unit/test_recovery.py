@@ -12,6 +12,7 @@ import pvlib_fem as fem
 from pvlib_fem._cli import main
 from pvlib_fem._findings import Finding, Verdict
 from pvlib_fem._loop.close import finished_search
+from pvlib_fem._record.column_names import is_power
 from pvlib_fem._recovery.draw import Draw, Injection, dated_draws
 from pvlib_fem._recovery.inject import Injector, readable
 from pvlib_fem._recovery.judge import judged
@@ -103,6 +104,14 @@ def test_an_instrument_that_changes_is_put_into_what_it_reads(record, done):
     pd.testing.assert_frame_equal(looser[others], record[others])
     changed = looser["temp_module"] != record["temp_module"]
     assert changed[late].mean() > 0.4 and not changed[~late].any()
+    washed = injector.into(record, injection("module_irradiance_step", 0.1, **DATES))
+    power = [name for name in record if is_power(name)]
+    more = np.where(late, 1.1, 1.0)[:, None] * record[power]
+    assert power
+    np.testing.assert_allclose(washed[power], more, atol=1e-9)
+    assert (washed["temp_module"] > record["temp_module"])[late].mean() > 0.4
+    others = record.columns.drop(["temp_module", *power])
+    pd.testing.assert_frame_equal(washed[others], record[others])
 
 
 @pytest.mark.parametrize("time_profile", ["step", "drift"])

@@ -672,6 +672,14 @@ def test_a_rival_may_have_the_name_of_another_finding(fault):
     changing = [CHANGES[f"{name}_step"] for name in ("module_offset", "air_offset")]
     columns = {"one": random.normal(size=len(days))}
     made = design(rest, columns, days, hours, changing)
+    # two laws, although their columns are the same
+    made = replace(
+        made,
+        names=(*made.names, "again"),
+        cells=np.column_stack([made.cells, made.cells[:, 2]]),
+        scale=np.append(made.scale, 1.0),
+        sensor_faults={"module_offset": 2, "air_offset": 3},
+    )
     selection = Selection(made, CRITERIA)
 
     def found(name, given):

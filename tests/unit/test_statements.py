@@ -215,11 +215,10 @@ def test_a_row_by_number_says_where_the_object_is(ambiguous):  # noqa: F811
 def test_a_named_fault_says_what_agrees(named_one):  # noqa: F811
     _, loop = named_one
     one = loop.statements.iloc[0]
-    # power shows the same where dirt or the ground changes the light on the modules
-    assert one["device"] == "irradiance sensor or modules" and "less" in one["text"]
-    assert "has changed the light on the modules" in one["text"]
+    assert one["device"] == "irradiance sensor" and "less" in one["text"]
     assert "power_ac agrees" in one["certainty"]
-    assert 0.5 < one["probability"] < 0.8
+    assert "poa_global_2 agrees" in one["certainty"]
+    assert one["probability"] > 0.95
     assert one["low"] <= 100.0 * (1.0 / 1.12 - 1.0) <= one["high"]
 
 
