@@ -505,7 +505,8 @@ class Loop:
         ``anemometer_stall``), the air's thermometer (``air_offset``,
         ``air_sensor_shield``, ``air_shield``) and the module's (``module_offset``,
         ``module_sensor_contact``). What happens to the module itself, such as
-        ``mounting``, and another ``time_constant`` change no column.
+        ``mounting`` or ``module_irradiance``, and another ``time_constant`` change no
+        column.
 
         Parameters
         ----------
