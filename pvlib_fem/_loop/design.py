@@ -74,7 +74,17 @@ Column = int | Changed
 
 
 def place_of(column: Column) -> int:
-    """Place in the design of a column, or of the one that a change is a part of."""
+    """
+    Place in the design of a column, or of the one that a change is a part of.
+
+    Parameters
+    ----------
+    column : int or Changed
+
+    Returns
+    -------
+    int
+    """
     return column if isinstance(column, int) else column.place
 
 
