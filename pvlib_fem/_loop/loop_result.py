@@ -117,9 +117,9 @@ class Loop:
         ``share`` of its square in the record, hours of frozen modules included,
         ``power`` over that expected, the ``energy`` by which power differs from it, per
         power at 1000 W/m² and 25 °C [kWh/kWp], ``gain``, the reduction of the fit's
-        error without the mean residual [K], and means of ``temp_air`` [°C] and
-        ``snow_depth`` [cm], where there is one. Of all weeks: they are reported, and
-        decide nothing.
+        error without the mean residual [K], and means of ``temp_air`` [°C],
+        ``wind_speed`` [m/s] and ``snow_depth`` [cm], where there is one. Of all weeks:
+        they are reported, and decide nothing.
     plain : tuple of ThermalModel and dict
         The model without effects, and its coefficients.
     criteria : Criteria

@@ -25,7 +25,7 @@ KINDS = ("modules_covered", "sensor_covered", "outage")
 EVENTS = (*KINDS, "underperformance")
 #: effects that follow power, and are no part of what events are looked for in
 BY_POWER = (*KINDS, "electrical_output")
-EXTRA = ("temp_air", "snow_depth")
+EXTRA = ("temp_air", "wind_speed", "snow_depth")
 
 
 def events_of(fits: "Fits", step: "Step") -> pd.DataFrame:
@@ -75,7 +75,8 @@ def events_of(fits: "Fits", step: "Step") -> pd.DataFrame:
         "portion": counts / max(int(counts.sum()), 1),
         "off": inputs[off],
     }
-    extra = {name: record[name] for name in EXTRA if name in record.inputs.columns}
+    there = {*record.inputs.columns} - {*record.absent}
+    extra = {name: record[name] for name in EXTRA if name in there}
     hours = Hours.from_columns(record.index, rows, columns, extra)
     shares = {
         effect.name: step.coefficients[f"{effect.name}.share"]

@@ -118,7 +118,7 @@ def all_of(events: pd.DataFrame) -> str:
 
 def circumstances(events: pd.DataFrame) -> str:
     """
-    When and in which air most events of a kind are, by which shade differs from snow.
+    When and in which weather most events of a kind are: of shade, snow or stowing.
 
     Parameters
     ----------
@@ -143,7 +143,46 @@ def circumstances(events: pd.DataFrame) -> str:
     coldest, warmest = within["temp_air"].quantile([low, high])
     if np.isfinite(warmest):
         words += f", in air of {round(coldest)} to {round(warmest)} °C"
+    if "wind_speed" in within:
+        calm, windy = within["wind_speed"].quantile([low, high])
+        words += f" and wind of {round(calm)} to {round(windy)} m/s"
     return words
+
+
+def happened(name: str, loop: "Loop") -> str:
+    """
+    What happened in the events of a kind.
+
+    Parameters
+    ----------
+    name : str
+        Of the effect.
+    loop : Loop
+        Loop with the plane of its modules.
+
+    Returns
+    -------
+    str
+    """
+    stowed = ", or their trackers stowed" * may_be_stowed(name, loop)
+    return f"{WORDS[name].happened}{stowed}"
+
+
+def may_be_stowed(name: str, loop: "Loop") -> bool:
+    """
+    Whether a cover of modules may be their trackers that turn away from the sun.
+
+    Parameters
+    ----------
+    name : str
+        Of the effect.
+    loop : Loop
+
+    Returns
+    -------
+    bool
+    """
+    return name == "modules_covered" and loop.place.get("mount") is not None
 
 
 def event_words(row: pd.Series | Mapping[Hashable, Any]) -> str:
@@ -155,7 +194,7 @@ def event_words(row: pd.Series | Mapping[Hashable, Any]) -> str:
     row : Series or dict
         Row of ``loop.events``: ``start``, ``end``, ``size`` [K], positive where the
         module is warmer than modelled, ``power`` over that expected [-], and where they
-        are known ``temp_air`` [°C] and ``snow_depth`` [cm].
+        are known ``temp_air`` [°C], ``wind_speed`` [m/s] and ``snow_depth`` [cm].
 
     Returns
     -------
@@ -167,6 +206,8 @@ def event_words(row: pd.Series | Mapping[Hashable, Any]) -> str:
         parts.append(f"{100 * max(row['power'], 0.0):.0f} % of the expected power")
     if np.isfinite(row.get("temp_air", np.nan)):
         parts.append(f"air at {round(row['temp_air'])} °C")
+    if np.isfinite(row.get("wind_speed", np.nan)):
+        parts.append(f"wind of {row['wind_speed']:.1f} m/s")
     if np.isfinite(row.get("snow_depth", np.nan)):
         parts.append(f"{row['snow_depth']:.0f} cm of snow")
     return f"{event_span(row)}: {', '.join(parts)}"

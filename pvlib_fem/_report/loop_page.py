@@ -483,7 +483,7 @@ def remaining(loop: "Loop") -> Block | list[Block]:
         for days, words in budget.days_that_stand_out(loop)
     ]
     for name, rows in events.by_kind(loop).items():
-        happened = events.WORDS[name].happened
+        happened = events.happened(name, loop)
         items.append((f"Power shows that {happened}", events.all_of(rows)))
     if loop.unexplained:
         return listed(items)
@@ -503,7 +503,7 @@ def in_time(loop: "Loop") -> list[Block]:
         body.append(listed(budget.days_that_stand_out(loop, most=None)))
     for name, rows in events.by_kind(loop).items():
         happened = (
-            f"Power shows that {events.WORDS[name].happened}: {events.all_of(rows)}."
+            f"Power shows that {events.happened(name, loop)}: {events.all_of(rows)}."
         )
         body += [paragraph(happened), event_page(rows)]
     head = ("part", "#mean square [K²]", "#root [K]", "#share [%]", "weeks")

@@ -156,7 +156,7 @@ def remaining(loop: "Loop") -> Iterator[tuple[str, str]]:
     if words := budget.more_episodes(loop):
         yield "", words
     for name, rows in events.by_kind(loop).items():
-        happened = events.WORDS[name].happened
+        happened = events.happened(name, loop)
         words = f"{happened}, {events.all_of(rows)}; {events.largest_events(rows)}"
         yield "power shows", words
     for finding in loop.unexplained:

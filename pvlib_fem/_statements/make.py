@@ -46,6 +46,7 @@ MEASURE_WET = (
 MEASURES = {**dict.fromkeys(PAST, MEASURE_STORE), SINCE_RAIN: MEASURE_WET}
 #: what the catalogue has not, and looks as light that the irradiance sensor misses
 REFLECTED = Clause(MODULES, "a surface nearby reflects light onto the modules")
+STOWED = "modules whose trackers are stowed in wind look the same"
 HALF = 0.5  # of its days, on which modules stand out that do not stand with a sensor
 STUCK = "sensor_stuck"  # cause of a tracker's irradiance sensor that does not turn
 LEFT_OUT = "left out"  # verdict of what is not used
@@ -163,7 +164,10 @@ def clause_or_name(
         return Clause(MODEL, f"the effect {name} is missing from the model")
     numbers = finding if name == finding.effect else finding.members.get(name)
     numbers = numbers or Member({}, {}, {}, {})
-    return clause_of(effect, numbers, loop.fit.coefficients, *days_of(loop))
+    clause = clause_of(effect, numbers, loop.fit.coefficients, *days_of(loop))
+    if events.may_be_stowed(name, loop):
+        return replace(clause, words=f"{clause.words}; {STOWED}")
+    return clause
 
 
 def finding_sentence(finding: Finding, clauses: list[Clause]) -> str:
@@ -273,7 +277,7 @@ def event_statements(loop: "Loop") -> Iterator[Statement]:
     """Events of each kind as a statement."""
     days = loop.fit.summary.days
     for name, rows in events.by_kind(loop).items():
-        kind = events.WORDS[name]
+        kind, what = events.WORDS[name], events.happened(name, loop)
         first, last = rows["start"].min(), rows["end"].max()
         modelled = "; its effect on temperature is in the model" * (
             name in loop.effects
@@ -283,7 +287,7 @@ def event_statements(loop: "Loop") -> Iterator[Statement]:
             device=kind.device,
             verdict=events.EVENT,
             text=(
-                f"{kind.happened[:1].upper()}{kind.happened[1:]} "
+                f"{what[:1].upper()}{what[1:]} "
                 f"({events.all_of(rows)}), most from {events.event_words(rows.iloc[0])}"
             ),
             action=kind.action,

@@ -495,5 +495,7 @@ def test_events_at_the_same_hours_are_said_to_be(clean):
     table = pd.DataFrame(rows)
     words = "; 12 within a day, mostly from 14:00 to 16:50, in air of 3 to 21 °C"
     assert all_of(table).endswith(words)
+    windy = table.assign(wind_speed=np.linspace(7.0, 18.0, 12))
+    assert all_of(windy).endswith(f"{words} and wind of 8 to 17 m/s")
     over_night = table.assign(end=table["end"] + pd.Timedelta("1D"))
     assert "mostly" not in all_of(over_night) and "mostly" not in all_of(table[:9])
