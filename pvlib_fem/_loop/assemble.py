@@ -99,7 +99,7 @@ def loop_of_search(search: "Search", last: Step, base: str) -> Loop:
         untestable=search.untestable | unseen,
         ranking=ranking,
         fit=fit,
-        notes=case.notes,
+        notes=(*case.notes, *steps_notes(search)),
         place=without_rows(case.place),
         residual_before=before.rename("residual"),
         weeks=pd.Series(
@@ -114,6 +114,17 @@ def loop_of_search(search: "Search", last: Step, base: str) -> Loop:
         patterns=patterns if PREDICTED in steps else (),
         hint_effects=tuple(hinted),
     )
+
+
+def steps_notes(search: "Search") -> list[str]:
+    """A module temperature at the end of steps whose irradiance is a mean, in words."""
+    if search.last is None or "misfit:early" not in search.last.evidence.misfits:
+        return []
+    return [
+        "temp_module is half a step ahead: it looks like the value at the end of each "
+        "step, where poa_global is a mean; record the mean of both, and the error is "
+        "smaller"
+    ]
 
 
 def repeatable_tables(search: "Search", last: Step) -> list[Table]:

@@ -648,6 +648,17 @@ def test_a_holdout_of_everything_is_named(two):
         fem.close_loop(data, holdout=pd.Series(True, data.index))
 
 
+@pytest.mark.parametrize("how", ["mean", "last"])
+def test_a_temperature_at_the_end_of_steps_beside_mean_irradiance_is_noted(how):
+    fine = simulator.record(effects=PHYSICS, days=120, step=300.0, start="2023-04-01")
+    fine = fine[["poa_global", "temp_air", "wind_speed", "temp_module"]]
+    hours = fine.resample("1h", label="right", closed="right")
+    data = hours.mean().assign(temp_module=hours["temp_module"].agg(how))[1:-1]
+    loop = fem.close_loop(data, **PLACE)
+    noted = any("the end of each step" in note for note in loop.notes)
+    assert noted == (how == "last")
+
+
 def test_an_early_clock_is_called_early():
     """The table's row and the note say the same."""
     early = simulator.record(effects=PHYSICS | {"clock_shift": -12.0}, **HALF)
