@@ -303,7 +303,7 @@ def module_irradiance(effect: Effect, numbers: Numbers) -> Clause:
         "Look for dirt on the modules, their cleaning, and changes of the ground or "
         "surfaces around them"
     )
-    words = f"the modules receive {more} irradiance for what the sensor reads{each}"
+    words = f"the modules receive {more} irradiance{each}, at the same sensor reading"
     return Clause(MODULES, words, action, **estimate)
 
 
