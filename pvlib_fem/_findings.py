@@ -126,6 +126,10 @@ VERBS = {
 }
 
 
+#: names of causes that change the light on the modules, and no reading, begin so
+ON_MODULES = ("module_irradiance", "tracker_stuck")
+
+
 @fields_in_new_names({"opinion": "outcome"})
 @dataclass(frozen=True)
 class CrossCheck:
@@ -159,7 +163,11 @@ class CrossCheck:
 
     @property
     def reads(self) -> str:
-        """What the instrument reads by the column, such as 8.4 ± 0.2 % less a year."""
+        """
+        What the instrument reads by the column, such as 8.4 ± 0.2 % less a year.
+
+        Of a cause that changes the light on the modules, it is what these receive.
+        """
         value, error = self.reading(self.size), self.stderr
         if not self.in_kelvin:
             error *= 100.0 + value  # slope of the exponential
@@ -170,9 +178,14 @@ class CrossCheck:
         """Whether sizes are temperatures, and no shares."""
         return self.unit.startswith("K")
 
+    @property
+    def of_modules(self) -> bool:
+        """Whether its candidate changes the light on the modules, and no reading."""
+        return self.effect.startswith(ON_MODULES)
+
     def reading(self, size: float) -> float:
         """
-        What the instrument reads beyond the column. [K or %]
+        What the instrument reads beyond the column, or the modules receive. [K or %]
 
         Parameters
         ----------
@@ -184,7 +197,8 @@ class CrossCheck:
         -------
         float
         """
-        return -size if self.in_kelvin else 100.0 * float(np.expm1(-size))
+        size = size if self.of_modules else -size
+        return size if self.in_kelvin else 100.0 * float(np.expm1(size))
 
     def in_words(self, value: float, error: float = np.nan) -> str:
         """
@@ -208,8 +222,9 @@ class CrossCheck:
     def __str__(self) -> str:
         expected = self.in_words(self.reading(self.expected))
         verb = VERBS[self.outcome]
+        subject = "the modules receive" if self.of_modules else "the sensor reads"
         return (
-            f"{self.column} {verb} {self.effect}: by it the sensor reads {self.reads}; "
+            f"{self.column} {verb} {self.effect}: by it {subject} {self.reads}; "
             f"{expected} is expected"
         )
 

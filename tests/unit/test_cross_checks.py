@@ -62,6 +62,8 @@ def test_a_second_sensor_names_the_light_on_the_modules(half_a_year):  # noqa: F
     assert first.verdict is Verdict.IDENTIFIED
     outcomes = {(one.column, one.effect): one.outcome for one in first.cross_checks}
     assert outcomes["power_ac", first.effect] is CheckOutcome.AGREES
+    (check,) = (one for one in first.cross_checks if one.effect == first.effect)
+    assert check.reads.endswith("% more")  # light on the modules, not the reading
     low, high = first.ranges["module_irradiance_step.change"]
     assert low <= 0.1 <= high
     assert "the modules receive" in loop.statements["text"].iloc[0]
