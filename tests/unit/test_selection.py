@@ -822,6 +822,30 @@ def test_of_causes_with_the_same_column_the_first_is_taken(order):
         assert one == other > 0.3
 
 
+def test_faults_of_one_law_are_searched_once_and_share_its_prior():
+    """Light of the sensor and of the modules has one column, as contact has another."""
+    random, (days, hours) = np.random.default_rng(8), clock(200)
+    rest = 1.0 * (days >= 90) + noise(random, len(days))
+    names = "irradiance_sensor", "module_irradiance", "module_sensor_contact"
+    changing = [CHANGES[f"{name}_step"] for name in names]
+    made = design(rest, {"slow": np.sin(days / 30.0)}, days, hours, changing)
+    made = replace(
+        made,
+        names=(*made.names, "again"),
+        cells=np.column_stack([made.cells, made.cells[:, 2]]),
+        scale=np.append(made.scale, 1.0),
+        sensor_faults=dict(zip(names, (2, 2, 3))),
+    )
+    selection = Selection(made, CRITERIA)
+    searched = {one.effect.sensor_fault for one in selection.candidates([*made.base])}
+    assert searched == {"irradiance_sensor", "module_sensor_contact"}
+    choice = selection.weighed(selection.best([]), [])
+    sensor, light, contact = (choice.weights[f"{name}_step"] for name in names)
+    assert sensor == pytest.approx(light) == pytest.approx(0.5 * contact)
+    dates = {str(one.effect.settings) for one in choice.members.values()}
+    assert len(dates) == 1
+
+
 @given(st.integers(0, 2**32 - 1))
 def test_candidates_explain_together_what_each_explains_alone(seed):
     random, (days, hours) = np.random.default_rng(seed), clock(120)
