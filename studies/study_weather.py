@@ -115,6 +115,7 @@ class Cause:
     course: str = ""
     size: float = 0.0
     heat: Callable | None = None  # of a record [K]
+    light: float = 0.0  # that the modules receive from a date on, beyond the reading
 
     @property
     def unknown(self):
@@ -127,8 +128,14 @@ class Cause:
         channels = SAME.get(self.channel, (self.channel,)) if self.channel else ()
         return frozenset(f"{name}_{self.course}" for name in channels)
 
-    def done(self, data, after, some_days):
-        """The record with it; masks of rows from a date on, and of 100 days."""
+    def done(self, data, after, some_days, lit):
+        """
+        The record with it; masks of rows from a date on, and of 100 days.
+
+        ``lit`` is a function from a factor of the light to the module's temperature.
+        """
+        if self.light:
+            return data.assign(temp_module=lit(1.0 + self.light * after))
         if self.unknown:
             return data.assign(temp_module=data["temp_module"] + self.heat(data))
         years = np.asarray((data.index - data.index[0]) / pd.Timedelta(days=365.25))
@@ -160,12 +167,17 @@ CAUSES = (
         "light from a wall from 15 to 17 h",
         heat=lambda data: 0.003 * data["poa_global"] * in_hours(data, 15, 17),
     ),
+    Cause("modules washed, +9 % light", "module_irradiance", "step", light=0.09),
 )
 CAUSES_WITH_TRUTH = {cause.name for cause in CAUSES if cause.truths}
 
 
 def record(plant, year, module):
-    """Weather of some years, with the temperature of a module and its noise."""
+    """
+    Weather of some years, with the temperature of a module and its noise.
+
+    The last is a function from a factor of the light to that temperature.
+    """
     data = datasets.load(plant)
     location = Location(*(data.attrs[n] for n in ("latitude", "longitude", "tz")))
     years = (data.index.year >= year) & (data.index.year < year + YEARS)
@@ -177,23 +189,28 @@ def record(plant, year, module):
     noise = NOISE * random.normal(size=len(data))
     slow = pd.Series(random.normal(size=len(data))).ewm(span=MEMORY).mean().to_numpy()
     noise = noise + SLOW / slow.std() * slow
-    temperature = MODULES[module][0](whole) + noise
-    return data.assign(temp_module=np.where(known, temperature, np.nan)), location
+
+    def lit(factor):
+        light = whole.assign(poa_global=factor * whole["poa_global"])
+        return np.where(known, MODULES[module][0](light) + noise, np.nan)
+
+    return data.assign(temp_module=lit(1.0)), location, lit
 
 
 def looked(plant, year, module):
     """What the loop says of one module in one weather, by each cause."""
-    data, location = record(plant, year, module)
+    data, location, lit = record(plant, year, module)
     random = np.random.default_rng([year, len(plant), 1])
-    return [row(data, location, module, cause, random) for cause in CAUSES]
+    return [row(data, location, lit, module, cause, random) for cause in CAUSES]
 
 
-def row(data, location, module, cause, random):
+def row(data, location, lit, module, cause, random):
     """What the loop says of one cause."""
     first = data.index[int(len(data) * random.uniform(0.3, 0.6))].normalize()
     after = np.asarray(data.index >= first, dtype=float)
     some_days = after * (data.index < first + pd.Timedelta(days=100))
-    loop = close_loop(cause.done(data, after, some_days), location=location)
+    changed_record = cause.done(data, after, some_days, lit)
+    loop = close_loop(changed_record, location=location)
     known = MODULES[module][1] | cause.truths
     found = [Found(**one, known=known, unknown=cause.unknown) for one in sets(loop)]
     added = [one for one in loop.finding_objects if one.added]

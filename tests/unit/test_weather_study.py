@@ -35,7 +35,8 @@ def test_each_cause_changes_the_record_and_has_names_of_the_catalogue():
     data = steady(500.0, hours=24 * 14).assign(temp_module=40.0)
     after = np.arange(len(data)) >= 100
     for cause in CAUSES:
-        found = cause.done(data, after.astype(float), after.astype(float))
+        masks = after.astype(float), after.astype(float)
+        found = cause.done(data, *masks, lambda light: 40.0 * light)
         assert found.equals(data) == (cause.name == "nothing")
         assert cause.truths <= {*CHANGES}
         assert not (cause.truths and cause.unknown)
