@@ -18,7 +18,7 @@ from pvlib_fem._loop.conclude import check_of_bounds, finding_of
 from pvlib_fem._loop.correct_clock import module_clock
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.cross_checks import cross_checks, is_compared, log_likelihoods
+from pvlib_fem._loop.cross_checks import cross_checks, log_likelihoods
 from pvlib_fem._loop.design import Changed, Design
 from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.leaks import leaks
@@ -496,8 +496,7 @@ class Search:
         selection, case = this.selection, self.case
         self.findings, self.choices = [], {}
         self.refused = [f for f in self.refused if f.effect in self.closed]
-        compared = any(is_compared(one.top.effect) for one in this.choices)
-        references = daily_deviations(case) if compared else []
+        references = daily_deviations(case) if this.choices else []
         chosen = [one for one in this.choices if one.top.name not in self.closed]
         step = plain
         reported: list[Choice] = []

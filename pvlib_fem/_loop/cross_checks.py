@@ -9,7 +9,6 @@ from pvlib_fem._findings import OUTSIDE, CheckOutcome, CrossCheck
 from pvlib_fem._loop.comparisons import SLACK
 from pvlib_fem._loop.noise import density
 from pvlib_fem._loop.references import DailyDeviation
-from pvlib_fem._record.column_names import is_power
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import (
     is_dated,
@@ -85,28 +84,15 @@ def log_likelihoods(
     return logs
 
 
-def is_compared(effect: Effect) -> bool:
-    """
-    Whether a choice, of which an effect is the best, is compared with references.
-
-    Parameters
-    ----------
-    effect : Effect
-
-    Returns
-    -------
-    bool
-        True if it has a time profile, or follows a power.
-    """
-    return is_dated(effect) or is_power(effect.settings.get("source", ""))
-
-
 def compared_along(choice: "Choice") -> Effect | None:
-    """The best member with a time profile; None if the choice is not compared."""
-    if not is_compared(choice.top.effect):
-        return None
-    names = sorted(choice.weights, key=lambda name: -choice.weights[name])
-    effects = (choice.members[name].effect for name in names)
+    """
+    The best member with a time profile; None if the choice is not compared.
+
+    What is a choice of its own has its deviation there.
+    """
+    free = [name for name in choice.weights if name not in choice.taken]
+    free.sort(key=lambda name: -choice.weights[name])
+    effects = (choice.members[name].effect for name in free)
     return next(filter(is_dated, (choice.top.effect, *effects)), None)
 
 

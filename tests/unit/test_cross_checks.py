@@ -13,10 +13,13 @@ from test_instruments import DATES, closed, dated, half_a_year, with_change  # n
 from pvlib_fem import close_loop, simulator
 from pvlib_fem._findings import CheckOutcome, Finding, Verdict
 from pvlib_fem._loop.comparisons import COMPARISONS, SKY, USUAL_WIND
-from pvlib_fem._loop.cross_checks import outcome_of
+from pvlib_fem._loop.cross_checks import log_likelihoods, outcome_of
+from pvlib_fem._loop.dictionary import Candidate
 from pvlib_fem._loop.references import DailyDeviation, daily_deviations, usual_days
+from pvlib_fem._loop.selection import Choice
 from pvlib_fem._record.column_names import COLUMNS, is_cross_check, is_power, twin_of
 from pvlib_fem._stored import Stored, as_json
+from pvlib_fem.effects import EFFECTS
 
 
 def with_power(data, step, **more):
@@ -68,6 +71,29 @@ def test_a_second_sensor_names_the_light_on_the_modules(half_a_year):  # noqa: F
     assert low <= 0.1 <= high
     assert "the modules receive" in loop.statements["text"].iloc[0]
     assert loop.corrected(data).data["poa_global"].equals(data["poa_global"])
+
+
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_power_decides_between_a_season_and_a_sensor_that_fades(elsewhere):
+    """Whichever explains more of the temperature, unless the sensor is explained."""
+    days = np.arange(19000, 19365)
+    noise = np.random.default_rng(3).normal(0.0, 0.02, len(days))
+    apart = np.log1p(0.12 * (days - days[0]) / 365.25) + noise
+    (power,) = (one for one in COMPARISONS if one.ages)
+    reference = DailyDeviation(power, "power_dc", days, apart, lambda effect, size: 0.0)
+    season, drift = EFFECTS["season"], EFFECTS["irradiance_sensor_drift"]
+    members = {one.name: Candidate(one, (1,), 0.0) for one in (season, drift)}
+    choice = Choice(
+        members["season"],
+        SimpleNamespace(),
+        members,
+        {drift.name: SimpleNamespace(estimate=np.array([0.12]))},
+        {"season": 0.9, drift.name: 0.1},
+        taken=frozenset({drift.name}) if elsewhere else frozenset(),
+    )
+    logs = log_likelihoods([reference], choice, {})
+    assert (logs[drift.name] > logs["season"] + 2.5) == (not elsewhere)
+    assert logs["season"] == logs["outside"]
 
 
 def test_power_speaks_for_the_irradiance_sensor_where_the_mounting_changed(
