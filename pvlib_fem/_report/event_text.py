@@ -63,13 +63,20 @@ def by_kind(loop: "Loop") -> dict[str, pd.DataFrame]:
     Returns
     -------
     dict of DataFrame
-        Rows of ``loop.events`` by the name of their effect; empty without events.
+        Rows of ``loop.events`` by the name of their effect; empty without events. They
+        have the wind where it says whether trackers were stowed.
     """
     if not len(loop.events):
         return {}
     kinds = loop.events.groupby("effect", sort=False)
     energy = kinds["energy"].sum().sort_values(ascending=False, kind="stable")
-    return {name: kinds.get_group(name) for name in energy.index}
+    groups = {name: kinds.get_group(name) for name in energy.index}
+    return {
+        name: rows
+        if may_be_stowed(name, loop)
+        else rows.drop(columns="wind_speed", errors="ignore")
+        for name, rows in groups.items()
+    }
 
 
 def texts_by_cause(statements: pd.DataFrame) -> dict[str, str]:
