@@ -47,7 +47,8 @@ class DynamicCellTemperature:
     coefficients : dict, optional
         Coefficients of the model with ``tau`` or ``capacity`` and ``bias``. Without
         them each array's ``temperature_model_parameters`` are used, which may also
-        have ``deltaT``, its ``irrad_ref`` and ``k_bs_c``. If these have no
+        have ``deltaT``, its ``irrad_ref`` and ``k_bs_c``. As in pvlib's chain, they
+        have to name ``u0`` and ``u1``, or ``u_c`` and ``u_v``. If they have no
         ``module_efficiency`` or ``alpha_absorption``, those of the array's
         ``module_parameters`` are used, as in pvlib.
     deltaT : float, default 0
@@ -244,7 +245,10 @@ class DynamicCellTemperature:
         else:
             named: Any = self.model
             steady = steady_model(named, coefficients)
-            temperature = replace(self.thermal, steady_model=steady).predict(
+            thermal = replace(self.thermal, steady_model=steady)
+            if missing := thermal.missing(coefficients):
+                raise ValueError(missing_in_array(thermal, missing, array))
+            temperature = thermal.predict(
                 poa_global, temp_air, wind_speed, coefficients, **own
             )
         if delta and k_bs_c:
@@ -288,6 +292,19 @@ class DynamicCellTemperature:
                     f"temperature_model({name}=...)",
                     stacklevel=2,
                 )
+
+
+def missing_in_array(thermal: ThermalModel, missing: list[str], array: Any) -> str:
+    """Message about coefficients that the parameters of an array do not have."""
+    steady = thermal.steady_model
+    usual = {n: f" (in pvlib {value:g})" for n, value in steady.defaults.items()}
+    name = f" {array.name}" if array.name else ""
+    return (
+        f"{steady.name} needs {', '.join(n + usual.get(n, '') for n in missing)}, and "
+        f"temperature_model_parameters of the array{name} hold "
+        f"{', '.join(array.temperature_model_parameters) or 'nothing'}; add them "
+        "there, or give coefficients to DynamicCellTemperature"
+    )
 
 
 def arguments_of(model: Any) -> Collection[str]:

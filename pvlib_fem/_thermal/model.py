@@ -218,6 +218,12 @@ class ThermalModel:
         tau = INSTANT if self.dynamics == "steady" else TAU
         return {**self.constants, "tau": tau, "bias": 0.0, **coefficients}
 
+    def missing(self, coefficients: Mapping) -> list[str]:
+        """Names of coefficients that are not given and have no default."""
+        complete = self.completed(coefficients)
+        needed = (*self.parameters, *self.steady_model.constants)
+        return [name for name in needed if name not in complete]
+
     def checked(self, coefficients: Mapping) -> dict:
         """The completed coefficients; ValueError if one is unknown or impossible."""
         complete = self.completed(coefficients)
@@ -229,7 +235,7 @@ class ThermalModel:
                 f"{steady.name}, {self.dynamics} has no coefficient "
                 f"{', '.join(unknown)}; it has {', '.join(known)}"
             )
-        if missing := [name for name in needed if name not in complete]:
+        if missing := self.missing(coefficients):
             raise ValueError(f"{steady.name} needs {', '.join(missing)}")
         steady.complete({n: complete[n] for n in steady.coefficients})
         if self.dynamics == "steady" and complete["tau"] != INSTANT:

@@ -246,6 +246,20 @@ def test_an_array_without_coefficients_is_named(weather):
         chain(system(180), fem.DynamicCellTemperature("wm1")).run_model(weather)
 
 
+def test_an_array_needs_the_coefficients_that_it_needs_in_pvlib(weather):
+    """pvlib infers no Faiman model of an array without its u0 and u1."""
+    with pytest.raises(ValueError, match="Could not infer temperature model"):
+        chain(system(180), "faiman")
+    plant = system(180, parameters={"u0": 25.0})
+    plant.arrays[0].name = "south"
+    lack = (
+        r"faiman needs u1 \(in pvlib 6.84\), capacity, and temperature_model_param"
+        "eters of the array south hold u0; add them there, or give coefficients"
+    )
+    with pytest.raises(ValueError, match=lack):
+        chain(plant, fem.DynamicCellTemperature("faiman", "balance")).run_model(weather)
+
+
 @pytest.mark.parametrize("where", ["model", "array"])
 def test_the_way_from_the_back_to_the_cells_is_gone_once(where, weather):
     """Together they would make the cells twice as much warmer than the back."""
