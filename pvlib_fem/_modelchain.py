@@ -12,7 +12,7 @@ import pandas as pd
 from pvlib_fem._record.column_names import GEOMETRY
 from pvlib_fem._relaxation import ewm
 from pvlib_fem._stored import Stored, opened
-from pvlib_fem._thermal.model import ThermalModel, thermal_model
+from pvlib_fem._thermal.model import INSTANT, ThermalModel, refuse_tau, thermal_model
 from pvlib_fem._thermal.model_files import model_of
 from pvlib_fem._thermal.steady_models import steady_model
 from pvlib_fem._thermal.temperature import TAU, fem_temperature, refuse_dynamic
@@ -25,6 +25,7 @@ FITS = (FIT, LOOP)  # formats that hold a fit
 CELL = ("deltaT", "k_bs_c")  # from the back of a module to its cells
 #: coefficients that pvlib's PVsyst model takes from ``module_parameters``
 OF_MODULE = ("module_efficiency", "alpha_absorption")
+SMOOTHING = ("ewm", "steady")  # dynamics of a callable model
 WEATHER = ("poa_global", "temp_air", "wind_speed")
 #: values that pvlib fills in without a warning if weather has no such column
 FILLED = {"wind_speed": (0.0, "m/s"), "temp_air": (20.0, "°C")}
@@ -43,7 +44,7 @@ class DynamicCellTemperature:
         Steady model, as in :func:`pvlib_fem.fem_temperature`.
     dynamics : str, default "ewm"
         ``"ewm"`` or ``"steady"`` (which is ``"ewm"`` with a tau near 0),
-        or ``"balance"`` for :func:`pvlib_fem.heat_balance`.
+        or ``"balance"`` for :func:`pvlib_fem.heat_balance`, which takes no callable.
     coefficients : dict, optional
         Coefficients of the model with ``tau`` or ``capacity`` and ``bias``. Without
         them each array's ``temperature_model_parameters`` are used, which may also
@@ -56,7 +57,8 @@ class DynamicCellTemperature:
         irradiance, as in :func:`pvlib.temperature.sapm_cell`. [K]
     k_bs_c : float, default 0
         Back-to-cell resistance, instead of ``deltaT``, on irradiance smoothed with
-        ``tau`` [1]_, or with 378 s if the coefficients have none. [K m²/W]
+        the time constant of the model without effects [1]_: ``tau``, or ``capacity``
+        times the model's resistance at each wind. [K m²/W]
     effects : str, dict, Effect or sequence of them, optional
         Physical effects whose coefficients are among ``coefficients``. If they need
         the solar position and the plane of the module, the chain provides them.
@@ -111,8 +113,11 @@ class DynamicCellTemperature:
     ) -> None:
         if callable(model):
             refuse_dynamic(model)
-        if callable(model) and dynamics == "balance":
-            raise ValueError("a callable model has no heat balance; use dynamics='ewm'")
+        if callable(model) and dynamics not in SMOOTHING:
+            raise ValueError(
+                f"dynamics = {dynamics!r} needs a steady model by name; a callable "
+                f"takes {' or '.join(SMOOTHING)}"
+            )
         for name, series in drivers.items():
             if not isinstance(getattr(series, "index", None), pd.DatetimeIndex):
                 raise ValueError(f"driver {name} must be a Series with a DatetimeIndex")
@@ -225,15 +230,19 @@ class DynamicCellTemperature:
         poa_global = own.pop("poa_global", poa_global)
         temp_air = own.pop("temp_air", weather["temp_air"])
         wind_speed = own.pop("wind_speed", weather["wind_speed"])
-        coefficients = self.coefficients
+        coefficients = dict(self.coefficients or {})
         delta, k_bs_c, reference = self.deltaT, self.k_bs_c, 1000.0
-        if coefficients is None:
+        if self.coefficients is None:
             coefficients = self.coefficients_of(array)
             if not callable(self.model):
                 delta = coefficients.pop("deltaT", delta)
                 reference = coefficients.pop("irrad_ref", reference)
             k_bs_c = coefficients.pop("k_bs_c", k_bs_c)
         if callable(self.model):
+            usual = INSTANT if self.dynamics == "steady" else TAU
+            tau = coefficients.setdefault("tau", usual)
+            if self.dynamics == "steady":
+                refuse_tau(tau)
             temperature: Any = fem_temperature(
                 poa_global,
                 temp_air,
@@ -251,6 +260,8 @@ class DynamicCellTemperature:
             temperature = thermal.predict(
                 poa_global, temp_air, wind_speed, coefficients, **own
             )
+            there = wind_speed.where(temperature.notna())
+            tau = thermal.time_constant(coefficients, there)
         if delta and k_bs_c:
             raise ValueError(
                 f"deltaT = {delta:g} K and k_bs_c = {k_bs_c:g} K m²/W both lead from "
@@ -259,7 +270,8 @@ class DynamicCellTemperature:
         if delta:
             temperature = temperature + poa_global / reference * delta
         if k_bs_c:
-            smoothed = ewm(poa_global, coefficients.get("tau", TAU))
+            taus: Any = pd.Series(tau, index)
+            smoothed = ewm(poa_global.where(taus > 0), taus.fillna(TAU))
             temperature = temperature + k_bs_c * smoothed
         return temperature
 

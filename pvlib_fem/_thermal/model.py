@@ -238,11 +238,8 @@ class ThermalModel:
         if missing := self.missing(coefficients):
             raise ValueError(f"{steady.name} needs {', '.join(missing)}")
         steady.complete({n: complete[n] for n in steady.coefficients})
-        if self.dynamics == "steady" and complete["tau"] != INSTANT:
-            raise ValueError(
-                f"tau = {complete['tau']:g} s is given, and dynamics='steady' has no "
-                "memory; drop it, or take dynamics='ewm'"
-            )
+        if self.dynamics == "steady":
+            refuse_tau(complete["tau"])
         for name, row in MEMORY[self.dynamics].items():
             if not (np.isscalar(complete[name]) and complete[name] > 0):
                 raise ValueError(
@@ -394,6 +391,14 @@ class ThermalModel:
                 slopes[name][block] = slope
         return temperature, slopes
 
+    def time_constant(self, coefficients: Mapping, wind_speed: Any) -> Any:
+        """Time constant without effects, of the balance at each wind. [s]"""
+        complete = self.completed(coefficients)
+        if self.dynamics != "balance":
+            return complete["tau"]
+        own = self.steady_coefficients(complete)
+        return complete["capacity"] * self.steady_model.resistance(wind_speed, **own)
+
     def longest_time_constant(self, inputs: Inputs, coefficients: dict) -> float:
         """Longest time constant of any row. [s]"""
         added = self.terms(inputs, coefficients, wanted=False)[0]
@@ -489,6 +494,15 @@ class ThermalModel:
     def steady_coefficients(self, coefficients: dict) -> dict[str, float]:
         """The coefficients of the steady model among some coefficients."""
         return {name: coefficients[name] for name in self.steady_model.coefficients}
+
+
+def refuse_tau(tau: float) -> None:
+    """Refuse a time constant of a steady model, other than the usual near 0. [s]"""
+    if tau != INSTANT:
+        raise ValueError(
+            f"tau = {tau:g} s is given, and dynamics='steady' has no memory; drop it, "
+            "or take dynamics='ewm'"
+        )
 
 
 def blocks(rows: int, size: int = BLOCK) -> list[slice]:

@@ -16,7 +16,6 @@ import pvlib_fem as fem
 from pvlib_fem import datasets
 
 WM1 = dict(k=0.035, d=10.0, tau=378.0, bias=-2.0)
-BALANCE = dict(u0=25.0, u1=6.84, capacity=15e3, bias=-1.0)
 WEATHER = ["ghi", "dni", "dhi", "temp_air", "wind_speed"]
 
 
@@ -270,15 +269,20 @@ def test_the_way_from_the_back_to_the_cells_is_gone_once(where, weather):
         chain(system(180, parameters=parameters), model).run_model(weather)
 
 
-@pytest.mark.parametrize("dynamics", ["ewm", "balance"])
+@pytest.mark.parametrize("dynamics", ["steady", "ewm", "balance"])
 def test_from_the_back_of_the_module_to_its_cells(weather, dynamics):
-    model, coefficients = ("wm1", WM1) if dynamics == "ewm" else ("faiman", BALANCE)
+    """k_bs_c follows irradiance with the time constant of the back."""
+    u0, u1, capacity = 25.0, 6.84, 9e3
+    memory = {"steady": {}, "ewm": {"tau": 200.0}, "balance": {"capacity": capacity}}
+    coefficients = {"u0": u0, "u1": u1, **memory[dynamics]}
+    gappy = weather.copy()
+    gappy.loc[gappy.index[700:760], "wind_speed"] = np.nan
     runs = {
         name: chain(
             system(180),
-            fem.DynamicCellTemperature(model, dynamics, coefficients, **options),
+            fem.DynamicCellTemperature("faiman", dynamics, coefficients, **options),
         )
-        .run_model(weather)
+        .run_model(gappy)
         .results
         for name, options in {
             "back": {},
@@ -291,10 +295,32 @@ def test_from_the_back_of_the_module_to_its_cells(weather, dynamics):
     np.testing.assert_allclose(
         runs["deltaT"].cell_temperature, back + 3.0 * sun / 1000, rtol=1e-12
     )
-    smoothed = fem.ewm(sun, coefficients.get("tau", 378.0))
-    np.testing.assert_allclose(
-        runs["k_bs_c"].cell_temperature, back + 0.003 * smoothed, rtol=1e-12
-    )
+    smoothed = sun
+    if dynamics == "ewm":
+        smoothed = fem.ewm(sun, 200.0)
+    elif dynamics == "balance":
+        windy = gappy.dropna()
+        taus = capacity / (u0 + u1 * windy["wind_speed"])
+        smoothed = fem.ewm(sun[windy.index], taus).reindex(sun.index)
+    want = (back + 0.003 * smoothed).where(back.notna())
+    np.testing.assert_allclose(runs["k_bs_c"].cell_temperature, want, rtol=1e-12)
+
+
+def test_a_steady_callable_has_no_memory(weather):
+    faiman = pvlib.temperature.faiman
+    steady = fem.DynamicCellTemperature(faiman, "steady", k_bs_c=0.003)
+    results = chain(system(180), steady).run_model(weather).results
+    sun = results.total_irrad["poa_global"]
+    want = faiman(sun, weather["temp_air"], weather["wind_speed"]) + 0.003 * sun
+    np.testing.assert_allclose(results.cell_temperature, want, rtol=1e-12)
+    with pytest.raises(ValueError, match="tau = 300 s is given, and dynamics='steady"):
+        given = fem.DynamicCellTemperature(faiman, "steady", {"tau": 300.0})
+        chain(system(180), given).run_model(weather)
+    for unknown in ("balance", "fast"):
+        with pytest.raises(
+            ValueError, match=f"'{unknown}' needs a steady model by name"
+        ):
+            fem.DynamicCellTemperature(faiman, unknown)
 
 
 @pytest.mark.parametrize(
