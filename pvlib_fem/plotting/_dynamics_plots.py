@@ -248,11 +248,6 @@ def time_constant_name(fit: "FemFit") -> str:
 
 def time_constant(fit: "FemFit", wind_speed: Wind) -> Wind:
     """Time constant of a fitted model at these winds, without its effects. [s]"""
-    value, steady_model = (
-        fit.coefficients[time_constant_name(fit)],
-        fit.thermal_model.steady_model,
-    )
-    if fit.dynamics == "ewm":
-        return value + 0.0 * wind_speed
-    own = {name: fit.coefficients[name] for name in steady_model.parameters}
-    return value * steady_model.resistance(wind_speed, **own, **steady_model.fixed)
+    time_constant_name(fit)
+    tau = fit.thermal_model.time_constant(fit.coefficients, wind_speed)
+    return tau + 0.0 * wind_speed

@@ -361,6 +361,15 @@ def test_a_step_reaches_63_percent_after_the_time_constant(wind, held, ax):
     assert y == pytest.approx(632.12 / loss, rel=1e-4)
 
 
+def test_a_held_efficiency_is_in_the_time_constant(ax):
+    data = datasets.synthetic(12, 300)
+    held = {"module_efficiency": 0.3}
+    fit = fit_fem(data, model="pvsyst", dynamics="balance", fixed=held)
+    plotting.plot_step_response(fit, 0.0, ax)
+    r_eq = 0.9 * (1.0 - 0.3) / fit.coefficients["u_c"]
+    assert f"0 m/s: τ = {fit.coefficients['capacity'] * r_eq:.0f} s" in lines(ax)
+
+
 def test_a_steady_fit_has_no_memory_to_show(closed):
     data = datasets.synthetic(3, 300)
     fit = fit_fem(*(data[n] for n in COLUMNS), dynamics="steady")
