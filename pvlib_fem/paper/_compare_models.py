@@ -11,9 +11,10 @@ from pvlib_fem._fitting.fit_stages import stages_of
 from pvlib_fem._fitting.frame_rows import Frame
 from pvlib_fem._fitting.holdout import held_out
 from pvlib_fem._record.checks import usual_step
-from pvlib_fem._record.column_names import COLUMNS, by_own_names
+from pvlib_fem._record.column_names import COLUMNS, by_own_names, with_aliases
 from pvlib_fem._record.filters import daytime, night
 from pvlib_fem._record.inputs import as_record
+from pvlib_fem._spelling import no_columns
 from pvlib_fem._thermal.model import thermal_model
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
 from pvlib_fem.paper._comparison import FITTED, STEPS, Comparison
@@ -29,10 +30,10 @@ BALANCE = "torres_lobera"
 
 
 def compare_models(
-    poa_global: pd.Series,
-    temp_air: pd.Series,
-    wind_speed: pd.Series,
-    temp_module: pd.Series,
+    poa_global: pd.Series | pd.DataFrame,
+    temp_air: pd.Series | None = None,
+    wind_speed: pd.Series | None = None,
+    temp_module: pd.Series | None = None,
     models: str | Sequence[str] = MODELS,
     comparators: str | Sequence[str] = (*COMPARATORS, BALANCE),
     method: str = "least_squares",
@@ -53,8 +54,10 @@ def compare_models(
 
     Parameters
     ----------
-    poa_global, temp_air, wind_speed, temp_module : Series
-        Record, see :func:`fit_fem`. [W/m²], [°C], [m/s], [°C]
+    poa_global : Series or DataFrame
+        Irradiance in the plane of the array [W/m²], or a frame with all columns.
+    temp_air, wind_speed, temp_module : Series
+        Further columns, see :func:`fit_fem`; omit them with a frame. [°C], [m/s], [°C]
     models : str or sequence of str
         Steady models; by default the five of the paper.
     comparators : str or sequence of str
@@ -69,7 +72,7 @@ def compare_models(
     holdout, calm_wind, offset, check_units
         See :func:`fit_fem`.
     **drivers : Series
-        ``longwave_down`` or ``ir_down``. [W/m²]
+        ``longwave_down`` or ``ir_down``, which a frame has among its columns. [W/m²]
 
     Returns
     -------
@@ -78,7 +81,7 @@ def compare_models(
     Raises
     ------
     ValueError
-        If the record is unusable, or a name is unknown.
+        If the record is unusable, a column is missing, or a name is unknown.
 
     Notes
     -----
@@ -98,17 +101,14 @@ def compare_models(
     --------
     >>> from pvlib_fem import datasets
     >>> data = datasets.synthetic(days=8, step=300)
-    >>> names = ["poa_global", "temp_air", "wind_speed", "temp_module"]
-    >>> comparison = compare_models(*(data[name] for name in names), models="faiman",
-    ...                 comparators="prilliman")
+    >>> comparison = compare_models(data, models="faiman", comparators="prilliman")
     >>> comparison.best()
     'faiman'
     """
     chosen, others = names_of(models), names_of(comparators)
     check_names(chosen, others, method)
-    drivers = by_own_names(drivers)
-    columns = dict(zip(COLUMNS, (poa_global, temp_air, wind_speed, temp_module)))
-    finest = as_record(*columns.values(), **drivers)
+    given = dict(zip(COLUMNS, (poa_global, temp_air, wind_speed, temp_module)))
+    finest = as_record(**columns_of(given | by_own_names(drivers)))
     finest, faults = screened(finest, check_units=check_units)
     notes, coefficients = [*faults.notes], {}
     rows: dict = {}
@@ -129,6 +129,23 @@ def compare_models(
     levels = ["resolution", "model", "step"]
     table.index = pd.MultiIndex.from_tuples(table.index, names=levels)
     return Comparison(table, coefficients, tuple(dict.fromkeys(notes)), method)
+
+
+def columns_of(given: dict) -> dict:
+    """The columns of a frame in place of the first, or those that are given."""
+    frame = given["poa_global"]
+    if not isinstance(frame, pd.DataFrame):
+        if missing := [name for name in COLUMNS if given[name] is None]:
+            raise ValueError(f"{no_columns(missing)}; give all of {', '.join(COLUMNS)}")
+        return given
+    more = [name for name, column in given.items() if column is not None]
+    if more := more[1:]:
+        raise ValueError(
+            f"{', '.join(more)} given in addition to a frame; give the frame alone, "
+            "with all columns, or its columns one by one"
+        )
+    there = with_aliases(frame)
+    return {n: there[n] for n in (*COLUMNS, "longwave_down") if n in there}
 
 
 def names_of(names: Any) -> Any:

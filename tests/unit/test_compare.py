@@ -211,6 +211,28 @@ def test_what_compare_cannot_do_is_refused_by_name(fortnight, options, message):
         fem.compare_models(*(fortnight[name] for name in COLUMNS), **options)
 
 
+def test_a_frame_has_the_columns(fortnight):
+    columns = (fortnight[name] for name in COLUMNS)
+    usual = dict(models="wm1", comparators="barry")
+    found = fem.compare_models(
+        fortnight.rename(columns={"longwave_down": "ir_down"}), **usual
+    )
+    want = fem.compare_models(
+        *columns, longwave_down=fortnight["longwave_down"], **usual
+    )
+    pd.testing.assert_frame_equal(found.table, want.table)
+
+
+def test_a_record_without_a_column_is_refused(fortnight):
+    light, air, wind, module = (fortnight[name] for name in COLUMNS)
+    with pytest.raises(ValueError, match="have no column wind_speed; they have ghi"):
+        fem.compare_models(fortnight.drop(columns="wind_speed"))
+    with pytest.raises(ValueError, match="no column wind_speed; give all of poa_glob"):
+        fem.compare_models(light, air, temp_module=module)
+    with pytest.raises(ValueError, match="wind_speed given in addition to a frame"):
+        fem.compare_models(fortnight, wind_speed=wind)
+
+
 def test_a_resolution_that_was_not_compared_is_refused(compared):
     with pytest.raises(ValueError, match="no resolution 60 s"):
         compared.by_step(resolution=60)
