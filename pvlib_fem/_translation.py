@@ -209,9 +209,9 @@ def translate_coefficients(
     Raises
     ------
     ValueError
-        If a name is unknown, a coefficient missing, the wind speeds are too few, or
-        the target cannot have that shape (wm2 with ``8·k_w >= k``, a model that wind
-        heats).
+        If a name is unknown, a coefficient missing, the wind speeds do not determine
+        the target, or it cannot have that shape (wm2 with ``8·k_w >= k``, a model that
+        wind heats).
 
     See Also
     --------
@@ -259,6 +259,7 @@ def translate_coefficients(
     elif method == "two_winds":
         line = at_two_winds(start, own, goal, limit)
     elif method == "least_squares":
+        refuse_one_wind(winds, goal, limit)
         line = at_winds(start, own, goal, winds, limit)
     else:
         raise ValueError(f"unknown method {method!r}; they are {', '.join(METHODS)}")
@@ -293,6 +294,17 @@ def wind_speeds(given: Sequence[float] | np.ndarray) -> np.ndarray:
             "and none of them NaN"
         )
     return winds
+
+
+def refuse_one_wind(winds: np.ndarray, goal: Shape, limit: float) -> None:
+    """Refuse wind speeds that do not determine the target's line in wind."""
+    seen = np.minimum(winds, limit)
+    if goal.ratio is None and np.linalg.matrix_rank(np.vander(seen, 2)) < 2:
+        below = f" below {goal.clip}, {limit:g} m/s" if goal.clip else ""
+        raise ValueError(
+            f"wind_speed = {winds.tolist()} m/s does not determine "
+            f"{' and '.join(goal.names)}; give wind speeds that differ{below}"
+        )
 
 
 @dataclass(frozen=True)

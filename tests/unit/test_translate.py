@@ -275,3 +275,19 @@ def test_wm2_needs_two_different_winds():
 def test_a_constant_of_another_model_is_refused():
     with pytest.raises(ValueError, match="sapm has no constant module_efficiency"):
         translate_coefficients({"k": 0.03}, "ross", "sapm", module_efficiency=0.2)
+
+
+@pytest.mark.parametrize(
+    ("target", "winds"),
+    [("sapm", [3.0]), ("wm1", [3.0, 3.0, 3.0]), ("wm2", [9.0, 10.0, 12.0])],
+)
+def test_winds_that_do_not_determine_a_slope_are_refused(target, winds):
+    """Above 8 m/s all winds are one wind to wm2."""
+    faiman = {"u0": 25.0, "u1": 6.84}
+    with pytest.raises(ValueError, match=r"does not determine .* that differ"):
+        translate_coefficients(
+            faiman, "faiman", target, "least_squares", wind_speed=winds
+        )
+    ross = translate_coefficients(faiman, "faiman", "ross", "least_squares", winds)
+    mean = np.mean([1.0 / (25.0 + 6.84 * wind) for wind in winds])
+    assert ross["k"] == pytest.approx(mean)
