@@ -136,7 +136,7 @@ def plain_steps(
         are NaN or do not rise.
     """
     if step is not None:
-        if not (isinstance(step, numbers.Real) and 0 < step < np.inf):
+        if not (is_number(step) and 0 < step < np.inf):
             raise ValueError(f"step = {step} must be a positive number of seconds")
         return (pd.RangeIndex(rows) if index is None else index), float(step), 1.0
     if index is None:
@@ -427,6 +427,11 @@ def not_a_number(name: str, values: Any, row: Any, index: Any) -> ValueError:
         f"{name} holds {entry!r} at {at_time(index, row)}, which is {what}; ",
         ShellText(f"clean the column, for example with {remedy}", option),
     )
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value is one real number; numpy counts its durations among these."""
+    return isinstance(value, numbers.Real) and not isinstance(value, np.timedelta64)
 
 
 def at_time(index: Any, row: int) -> str:

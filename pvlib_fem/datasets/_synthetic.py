@@ -8,8 +8,14 @@ import pandas as pd
 import pvlib
 from scipy.special import ndtr
 
+from pvlib_fem._record.checks import is_number
 from pvlib_fem._relaxation import respond
-from pvlib_fem._thermal.temperature import fem_temperature, heat_balance
+from pvlib_fem._thermal.temperature import TAU, fem_temperature, heat_balance
+
+ANSWERS: dict[str, Callable[..., Any]] = {
+    "ewm": fem_temperature,
+    "balance": heat_balance,
+}
 
 
 def synthetic(
@@ -54,16 +60,33 @@ def synthetic(
         Site and orientation. [°]
     **coefficients
         Coefficients of the model, with ``tau`` or ``capacity`` and ``bias``. The
-        default is ``u0=25``, ``u1=6.84``, ``capacity=15e3``, ``bias=-2``.
+        default is ``u0=25``, ``u1=6.84``, ``capacity=15e3`` or ``tau=378``, and
+        ``bias=-2``.
 
     Returns
     -------
     DataFrame
         ``ghi``, ``dni``, ``dhi``, ``poa_global`` [W/m²], ``temp_air`` [°C],
         ``wind_speed`` [m/s], ``temp_module`` [°C]; the truth is in ``.attrs``.
+
+    Raises
+    ------
+    ValueError
+        If ``days`` or ``step`` is not positive, ``days`` are shorter than a step, or
+        the model, the dynamics or a coefficient is unknown.
     """
+    if dynamics not in ANSWERS:
+        raise ValueError(
+            f"unknown dynamics {dynamics!r}; they are {' and '.join(ANSWERS)}"
+        )
+    for name, value, unit in (("days", days, "days"), ("step", step, "s")):
+        if not (is_number(value) and 0 < value < np.inf):
+            raise ValueError(f"{name} = {value} must be a positive number [{unit}]")
+    if days * 86400 < step:
+        raise ValueError(f"days = {days} are shorter than a step of {step} s")
     if not coefficients:
-        coefficients = dict(u0=25.0, u1=6.84, capacity=15e3, bias=-2.0)
+        memory = {"tau": TAU} if dynamics == "ewm" else {"capacity": 15e3}
+        coefficients = {"u0": 25.0, "u1": 6.84, **memory, "bias": -2.0}
     random = np.random.default_rng(seed)
     hours = round(longitude / 15)
     times = pd.date_range(
@@ -103,8 +126,7 @@ def synthetic(
     # a Weibull distribution of shape 2 and mean 3 m/s
     data["wind_speed"] = 3.0 / 0.8862 * np.sqrt(-np.log1p(-ndtr(gusts)))
     data = pd.DataFrame(data)
-    answers: dict[str, Callable[..., Any]] = {"balance": heat_balance}
-    function = answers.get(dynamics, fem_temperature)
+    function = ANSWERS[dynamics]
     drivers = (data[name] for name in ("poa_global", "temp_air", "wind_speed"))
     data["temp_module"] = function(*drivers, model=model, **coefficients)
     if noise:

@@ -11,7 +11,7 @@ import pandas as pd
 import pooch
 import pytest
 
-from pvlib_fem import datasets, heat_balance
+from pvlib_fem import datasets, fem_temperature, heat_balance
 from pvlib_fem.datasets import _download as files, _pip_wheel as wheel
 from pvlib_fem.datasets._measured_records import BOLZANO, GOLDEN
 
@@ -274,3 +274,30 @@ def test_its_wind_is_weibull():
     wind = datasets.synthetic(1500, 900, seed=1, noise=0)["wind_speed"]
     assert wind.mean() == pytest.approx(3.0, abs=0.1)
     assert wind.quantile(0.9) == pytest.approx(3.0 * 1.712, rel=0.04)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (dict(days=0), "days = 0 must be a positive number"),
+        (dict(days=-1), "days = -1 must be a positive number"),
+        (dict(days=1, step=0), "step = 0 must be a positive number"),
+        (dict(days=1, step=pd.Timedelta("1min")), "step = 0 days .* positive number"),
+        (dict(days=0.01, step=3600), "days = 0.01 are shorter than a step of 3600 s"),
+        (dict(days=1, dynamics="steady"), "unknown dynamics 'steady'; they are ewm"),
+    ],
+)
+def test_a_synthetic_record_has_a_length_and_a_memory(options, message):
+    with pytest.raises(ValueError, match=message):
+        datasets.synthetic(**options)
+
+
+@pytest.mark.parametrize("dynamics", ["ewm", "balance"])
+def test_each_dynamics_has_coefficients_by_default(dynamics):
+    data = datasets.synthetic(days=1, step=900, noise=0, dynamics=dynamics)
+    memory = {"ewm": "tau", "balance": "capacity"}[dynamics]
+    assert memory in data.attrs["coefficients"]
+    function = heat_balance if dynamics == "balance" else fem_temperature
+    drivers = (data[n] for n in ("poa_global", "temp_air", "wind_speed"))
+    again = function(*drivers, model="faiman", **data.attrs["coefficients"])
+    pd.testing.assert_series_equal(data["temp_module"], again, check_names=False)
