@@ -149,7 +149,16 @@ def time_constant(
     tau: float | np.ndarray | pd.Series, rows: int, name: str = "tau"
 ) -> float | np.ndarray:
     """Check a time constant: positive, a number or one for each row. [s]"""
-    values = np.ma.filled(np.ma.asarray(tau, dtype=float), np.nan)
+    given = np.ma.asarray(tau)
+    try:
+        values = np.ma.filled(given.astype(float), np.nan)
+    except (TypeError, ValueError):
+        values = None
+    if values is None or given.dtype.kind == "m":
+        raise ValueError(
+            f"{name} is a {type(tau).__name__}; give seconds as numbers, such as "
+            "pd.Timedelta('6min').total_seconds()"
+        )
     if values.ndim and values.shape != (rows,):
         raise ValueError(
             f"{name} has {values.size} values for {rows} samples; give one number, "

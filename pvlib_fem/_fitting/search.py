@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from pvlib_fem._fitting.time_constant import IdentityCoordinate, Lag, lag
+from pvlib_fem._record.checks import is_number
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._spelling import FIXED, ShellText, did_you_mean, refusal
 from pvlib_fem._statistics.leastsquares import descent
@@ -59,8 +60,8 @@ def checked_fixed(model: ThermalModel, fixed: Mapping) -> dict:
     Raises
     ------
     ValueError
-        If a name is unknown, a value out of its range, a constant without a default is
-        missing, or no coefficient remains to be fitted.
+        If a name is unknown, a value is no number or out of its range, a constant
+        without a default is missing, or no coefficient remains to be fitted.
     """
     constants = model.steady_model.constants
     rows = {**model.parameters, **constants}
@@ -69,6 +70,12 @@ def checked_fixed(model: ThermalModel, fixed: Mapping) -> dict:
             FIXED,
             f" has {', '.join(unknown)}, which is no coefficient here"
             f"{did_you_mean(unknown, rows)}; there are {', '.join(rows)}",
+        )
+    if wrong := [name for name, value in fixed.items() if not is_number(value)]:
+        raise refusal(
+            FIXED,
+            f" has {wrong[0]} = {fixed[wrong[0]]!r}, which must be a number "
+            f"[{rows[wrong[0]].unit}]",
         )
     held = {name: float(value) for name, value in fixed.items()}
     for name, value in held.items():

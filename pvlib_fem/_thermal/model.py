@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._record.checks import at_time
+from pvlib_fem._record.checks import at_time, is_number
 from pvlib_fem._record.column_names import (
     COLUMNS,
     by_own_names,
@@ -241,7 +241,7 @@ class ThermalModel:
         if self.dynamics == "steady":
             refuse_tau(complete["tau"])
         for name, row in MEMORY[self.dynamics].items():
-            if not (np.isscalar(complete[name]) and complete[name] > 0):
+            if not (is_number(complete[name]) and complete[name] > 0):
                 raise ValueError(
                     f"{name} = {complete[name]} must be a positive number [{row.unit}]"
                 )

@@ -486,6 +486,7 @@ def test_a_coefficient_of_an_effect_can_be_held(plant):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
+        (dict(fixed={"tau": pd.Timedelta("6min")}), "tau = Timedelta.*a number .s."),
         (dict(fixed={"u9": 1.0}), "fixed has u9, which is no coefficient here.* tau"),
         (dict(fixed={"rain.film": 1.0}), "fixed has rain.film, which is no coeff"),
         (dict(fixed={"tau": -3}), "fixed tau = -3 s cannot be; it is from 1 to 7200"),

@@ -10,6 +10,7 @@ from pvlib_fem._thermal.model import thermal_model
 from pvlib_fem.effects import find
 
 MEMORIES = {"steady": {}, "ewm": {"tau": 378.0}, "balance": {"capacity": 12e3}}
+HOUR = pd.Timedelta("1h")
 FAIMAN = {"u0": 25.0, "u1": 6.84, "bias": -1.0}
 every = pytest.mark.parametrize("dynamics", MEMORIES)
 EFFECTS = ("natural_convection", "sky_radiation", "radiative_loss")
@@ -85,6 +86,12 @@ def test_a_steady_model_takes_no_time_constant(month):
         ("faiman", "balance", {"u0": 25.0, "u1": 6.8}, "faiman needs capacity"),
         ("faiman", "balance", {**FAIMAN, "capacity": -1.0}, "capacity = -1.0 must be"),
         ("noct_sam", "ewm", {"noct": 45.0}, "noct_sam needs module_efficiency"),
+        (
+            "faiman",
+            "ewm",
+            {**FAIMAN, "tau": HOUR},
+            "tau = 0 days 01:00:00 must be a positive",
+        ),
     ],
 )
 def test_coefficients_that_cannot_be_are_refused_at_once(

@@ -1,5 +1,7 @@
 """The kernel: exact on any steps, and its NaN, gaps and start-up."""
 
+from datetime import timedelta
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -283,3 +285,25 @@ def test_a_day_of_the_calendar_lasts_as_long_as_it_does():
     hours = np.array([24.0, 24.0, 23.0, 24.0])
     want = 10.0 * np.exp(-np.cumsum(hours) / 24.0)
     assert_allclose(found.iloc[1:], want, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "tau",
+    [
+        pd.Timedelta("6min"),
+        timedelta(minutes=6),
+        np.timedelta64(6, "m"),  # numpy takes it for the number 6
+        "6min",
+        [pd.Timedelta("6min")] * 3,
+        pd.Series(pd.to_timedelta([360, 360, 360], unit="s")),
+    ],
+)
+def test_a_time_constant_is_in_seconds(tau):
+    with pytest.raises(ValueError, match=r"^tau is a .*; give seconds as numbers"):
+        ewm([0.0, 1000.0, 1000.0], tau, step=60.0)
+
+
+def test_a_step_is_in_seconds():
+    for step in (pd.Timedelta("1min"), np.timedelta64(1, "m")):
+        with pytest.raises(ValueError, match=r"^step = .* positive number of seconds"):
+            ewm([0.0, 1000.0], 378.0, step=step)
