@@ -76,15 +76,23 @@ class Reason(Enum):
     AT_BOUND = "fitted with all others, {coefficient} ends at the bound of its range"
     UNSURE = "fitted with all others, {coefficient} is {value:.2g} ± {error:.2g}"
     OUTSIDE = (
-        "the error follows its inputs, and not by its law under all conditions: a "
+        "the error follows these inputs, and not by this law under all conditions: a "
         "cause outside the catalogue is more probable ({chance:.0%})"
     )
     LESS_ON_OWN_STEPS = (
-        "on the record's own steps it takes {gain:.2f} K off the error, {means:.2f} K "
-        "in means"
+        "on the record's own steps the error falls by {gain:.2f} K, in means by "
+        "{means:.2f} K"
     )
-    NOT_SURE = "its probability is {chance:.0%}, and {least:.0%} is required"
+    NOT_SURE = (
+        "the probability that there is such an effect is {chance:.1%}; {least:.0%} is "
+        "required"
+    )
     NOT_MATERIAL = "below the {least:.2f} K that are material"
+    NOT_MATERIAL_FITTED = (
+        "below the {least:.2f} K that are material on the weeks that are fitted "
+        "({gain:.3f} K)"
+    )
+    NOT_CHOSEN = "probable and material, but the model with other effects explains more"
     UNEXPLAINED = (
         "{gain:.2f} K of the error is {where}; no effect and no column explains it"
     )

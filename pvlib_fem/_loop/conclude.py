@@ -123,8 +123,8 @@ def finding_of(
 
 
 def check_of_existence(probability: float, least: float) -> Check:
-    """The check that an effect is probably there."""
-    name = "probability that it is there"
+    """The check that there probably is such an effect."""
+    name = "probability that there is such an effect"
     return Check(name, "min_probability", probability, least)
 
 
@@ -292,12 +292,7 @@ def hints(
         if score.probability < HALF:
             continue
         done |= {name, *row.ties}
-        check = check_of_gain(row.gain, floor * score.acting)
-        why = because(Reason.NOT_MATERIAL, least=check.threshold)
-        if check.passed:
-            sure = limits.min_probability
-            why = because(Reason.NOT_SURE, chance=score.probability, least=sure)
-            check = check_of_existence(score.probability, sure)
+        check, why = why_not_chosen(row, floor * score.acting, limits)
         if not case.enough:
             check, why = too_short(case)
         effect = row.effect
@@ -313,6 +308,25 @@ def hints(
             kind=Kind.of(effect),
             place=dates_in_words(effect.settings) if is_dated(effect) else "",
         )
+
+
+def why_not_chosen(
+    row: "Row", least: float, criteria: Criteria
+) -> tuple[Check, Because]:
+    """The check of a possible effect that the selection did not pass, and why."""
+    check = check_of_gain(row.gain, least)
+    if not check.passed:
+        return check, because(Reason.NOT_MATERIAL, least=check.threshold)
+    chance, sure = row.score.probability, criteria.min_probability
+    check = check_of_existence(chance, sure)
+    if not check.passed:
+        return check, because(Reason.NOT_SURE, chance=chance, least=sure)
+    fitted = check_of_gain(row.fitted, least)
+    if not fitted.passed:
+        least = fitted.threshold
+        why = because(Reason.NOT_MATERIAL_FITTED, gain=row.fitted, least=least)
+        return replace(fitted, name="gain on the weeks that are fitted"), why
+    return check, because(Reason.NOT_CHOSEN)
 
 
 def pattern_findings(tables: Iterable["Table"], least: float) -> list[Finding]:

@@ -21,7 +21,7 @@ from pvlib_fem._findings import (
     Verdict,
     in_percent,
 )
-from pvlib_fem._loop.conclude import member_of
+from pvlib_fem._loop.conclude import member_of, why_not_chosen
 from pvlib_fem._stored import as_json
 from pvlib_fem.effects import find
 from pvlib_fem.reasons import Reason, because, joined_reasons
@@ -63,6 +63,24 @@ def test_the_first_failure_is_the_rule_that_decided():
     assert content["because"] == [
         {"reason": "NOT_MATERIAL", "least": 1.0, "words": finding.why}
     ]
+
+
+@pytest.mark.parametrize(
+    ("gain", "chance", "fitted", "name", "words"),
+    [
+        (0.13, 0.99, 0.14, "NOT_MATERIAL", "below the 0.15 K that are material"),
+        (0.20, 0.949, 0.19, "NOT_SURE", "such an effect is 94.9 %; 95 % is required"),
+        (0.155, 0.985, 0.135, "NOT_MATERIAL_FITTED", "are fitted (0.135 K)"),
+        (0.20, 0.985, 0.19, "NOT_CHOSEN", "with other effects explains more"),
+    ],
+)
+def test_a_hint_says_what_it_lacks(gain, chance, fitted, name, words):
+    """A probability that suffices is no reason against it."""
+    score = SimpleNamespace(probability=chance)
+    row = SimpleNamespace(gain=gain, score=score, fitted=fitted)
+    check, why = why_not_chosen(row, 0.15**2, Criteria())
+    assert why.reason.name == name and str(why).endswith(words)
+    assert check.passed is (name == "NOT_CHOSEN")
 
 
 def test_names_are_joined_as_their_sentence_has_it():

@@ -136,7 +136,7 @@ def test_what_means_alone_follow_is_withdrawn(tmp_path):
     loop = fem.close_loop(tmp_path)
     (found,) = (f for f in loop.finding_objects if f.effect == "driver:fan")
     assert found.verdict == "hint"
-    assert "on the record's own steps it takes 0." in found.why
+    assert "on the record's own steps the error falls by 0." in found.why
     assert found.checks[-1].name == "share kept on the own steps"
     assert "driver:fan" not in loop.effects
     assert loop.own_steps.thermal_model.effects == loop.fit.effects
