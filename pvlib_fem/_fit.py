@@ -150,6 +150,11 @@ def fit_fem(
     ``notes`` report where it is large, and where the days are too few to estimate
     it. Below 5 training days errors are NaN.
 
+    Wind that is recorded in whole m/s moves the coefficients, u0 of Faiman's model by
+    some 2 %. From steps of 0.25 m/s on, the size of this shift is estimated by rounding
+    the wind to steps twice as wide. It is added to the errors, and ``notes`` report it
+    where it is large.
+
     Over missing rows the next sample counts for the whole step. With 5 % of the rows of
     a 5 min record missing, ``capacity`` or ``tau`` is some 2 % too large, which the
     error does not include; fill short gaps of the drivers on a straight line first.

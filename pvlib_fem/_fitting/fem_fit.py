@@ -45,8 +45,9 @@ class FemFit:
         Coefficients of the model and its effects, ``tau`` [s] or ``capacity``
         [J/(m² K)], and ``bias`` [K].
     stderr : dict
-        Standard errors of the coefficients, from the spread between training days and
-        the autocorrelation of the residual; NaN if unknown, see ``notes``.
+        Standard errors of the coefficients, from the spread between training days, the
+        autocorrelation of the residual and coarse steps of the wind; NaN if unknown,
+        see ``notes``.
     scores : DataFrame
         Errors after each step on daytime rows: ``standard`` (steady, fitted to all
         rows), ``filter`` (steady, fitted to the filtered rows), ``ewm`` (with the

@@ -61,7 +61,7 @@ class Frame(Rows):
         is nearly equal on a part of the rows, so steps without effects are searched on
         a part first.
         """
-        flat, whole = flatness(steps, final), self.with_model_drivers(steps[-1][1])
+        flat, whole = flatness(steps, final), self.rows_for(steps[-1][1])
         stages, thin, some, before = {}, start, None, None
         for name, model, which, biased in steps:
             if which != before:
@@ -79,7 +79,7 @@ class Frame(Rows):
         """A part of the rows that count for a purpose; None if they are few."""
         return Rows(self.record, self.row_masks[which]).thinned()
 
-    def with_model_drivers(self, model: ThermalModel) -> "Frame":
+    def rows_for(self, model: ThermalModel) -> "Frame":
         """The source, completed by the drivers of a model's effects."""
         if not model.effects:
             return self
@@ -91,7 +91,7 @@ class Frame(Rows):
     ) -> tuple[DailySums, dict]:
         """Daily sums of the last step, and the attributes of a result from the rows."""
         whole, temperature = (
-            self.with_model_drivers(requests[last].model),
+            self.rows_for(requests[last].model),
             np.empty(len(self.counts)),
         )
         table, daily = whole.scores_and_sums(requests, last, names, temperature)

@@ -7,6 +7,7 @@ import numpy as np
 from pvlib_fem._fitting.daily import standard_errors
 from pvlib_fem._fitting.fem_fit import FemFit, of_rows
 from pvlib_fem._fitting.fit_stages import last_stage, public_coefficients, stages_of
+from pvlib_fem._fitting.rounded_wind import with_rounding
 from pvlib_fem._fitting.row_source import EvalRequest
 from pvlib_fem._fitting.time_constant import memory_notes
 from pvlib_fem._record.inputs import Record
@@ -39,6 +40,8 @@ def fit_source(source: Any, target: ThermalModel, notes: list) -> Any:
     )
     daily, own = source.result_parts(*requests_of(stages), tuple(names))
     stderr = standard_errors(target, daily, at_bound, notes)
+    searched = source.rows_for(target), target, coefficients
+    stderr = with_rounding(*searched, stderr, notes)
     days = own["train_days"]
     notes += memory_notes(source, target, coefficients, stderr, at_bound, days)
     notes += source.notes(target)

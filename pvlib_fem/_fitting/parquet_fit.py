@@ -325,6 +325,10 @@ class InFiles:
             files=files,
         )
 
+    def rows_for(self, model: ThermalModel) -> Files:
+        """The source of the rows of a model."""
+        return self.files
+
     def notes(self, target: ThermalModel) -> list:
         """Notes on results that come from means instead of rows."""
         return means_note(target, self.files)

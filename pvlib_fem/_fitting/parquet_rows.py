@@ -101,6 +101,11 @@ class Files(Source):
         mean = wind / total
         return float(mean), float(np.sqrt(max(squares / total - mean**2, 0.0)))
 
+    @property
+    def some_wind(self) -> np.ndarray:
+        """Wind of the first block. [m/s]"""
+        return next(iter(self.clean.blocks()))["wind_speed"]
+
     def past(self, model: ThermalModel) -> Past:
         """The state before the first row of the record."""
         return Past(self.usual[self.drivers if model.drivers else ()])

@@ -134,7 +134,8 @@ class Source:
     Rows of a fit, in memory or in files, that a pass yields part by part.
 
     A source has ``count``, the number of fitted rows, ``step`` and ``wind`` of the
-    record, ``winds`` of the fitted rows, :meth:`quick` and :meth:`parts`.
+    record, ``winds`` of the fitted rows, ``some_wind`` of its first rows, :meth:`quick`
+    and :meth:`parts`.
     """
 
     if TYPE_CHECKING:
@@ -150,6 +151,9 @@ class Source:
 
         @property
         def winds(self) -> Any: ...
+
+        @property
+        def some_wind(self) -> np.ndarray: ...
 
     def uses_compiled_loops(self, model: ThermalModel) -> bool:
         """Whether the compiled loops can solve a model with known terms."""
@@ -291,6 +295,11 @@ class Rows(Source):
         # not by BLAS, whose last bits depend on the number of threads
         mean = (weight * wind).sum() / total
         return float(mean), float(np.sqrt((weight * (wind - mean) ** 2).sum() / total))
+
+    @property
+    def some_wind(self) -> np.ndarray:
+        """Wind of the rows. [m/s]"""
+        return self.record["wind_speed"]
 
     @property
     def row_masks(self) -> dict:

@@ -9,7 +9,6 @@ import pandas as pd
 from pvlib_fem import scores
 from pvlib_fem._budget.error_budget import budget_of, episodes_of
 from pvlib_fem._findings import PREDICTED, Finding
-from pvlib_fem._fitting.daily import standard_errors
 from pvlib_fem._fitting.least_squares_fit import fit_result
 from pvlib_fem._loop.conclude import hints, in_the_model, not_seen, pattern_findings
 from pvlib_fem._loop.divided_record import BASES, FEWEST_FITTING_DAYS, Case
@@ -55,7 +54,7 @@ def loop_of_search(search: "Search", last: Step, base: str) -> Loop:
     notes: list[str] = []
     record = case.placed_for(case.whole, last.model.drivers)
     at_bound, daily = last.at_bound, search.fits.daily(last)
-    stderr = standard_errors(last.model, daily, at_bound, notes)
+    stderr = search.fits.errors(last, daily, notes)
     tables = repeatable_tables(search, last)
     patterns = tuple(Pattern.from_table(table, record.index) for table in tables)
     steps = dict(search.steps)

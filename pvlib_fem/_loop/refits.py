@@ -8,8 +8,9 @@ from types import MappingProxyType
 import numpy as np
 
 from pvlib_fem import scores
-from pvlib_fem._fitting.daily import DailySums
+from pvlib_fem._fitting.daily import DailySums, standard_errors
 from pvlib_fem._fitting.fit_stages import minimise
+from pvlib_fem._fitting.rounded_wind import COARSE, with_rounding
 from pvlib_fem._fitting.row_source import Rows, daily_sums
 from pvlib_fem._fitting.search import (
     checked_fixed,
@@ -22,10 +23,11 @@ from pvlib_fem._record.inputs import Inputs, Record
 from pvlib_fem._spelling import FIXED, refusal
 from pvlib_fem._statistics.clusters import FOLDS, days_of_folds
 from pvlib_fem._statistics.weekly_sums import held_out
-from pvlib_fem._thermal.model import MEMORY, ThermalModel
+from pvlib_fem._thermal.model import MEMORY, WIND, ThermalModel
 from pvlib_fem._thermal.steady_models import SteadyModel
 from pvlib_fem.drivers import MODELLED, derive_drivers, is_modelled, underived
 from pvlib_fem.effects._effect import Effect, LinearisedEffect
+from pvlib_fem.quality._values import resolution
 
 ROUGH, CLOSE = 1e-7, 1e-3  # relative fall of the cost that ends a coarse, a full fit
 FROZEN: Mapping[str, float] = MappingProxyType({})
@@ -168,6 +170,14 @@ class Fits:
             return step.daily
         return self.sums(step, self.case.whole, self.case.fitting)
 
+    def errors(self, step: Step, daily: DailySums, notes: list) -> dict:
+        """Standard errors of a step's coefficients, by its daily sums."""
+        stderr = standard_errors(step.model, daily, step.at_bound, notes)
+        if resolution(self.case.whole[WIND]) < COARSE:
+            return stderr
+        rows, model = self.rows(step, self.case.whole, self.case.fitting)
+        return with_rounding(rows, model, step.coefficients, stderr, notes)
+
     def cross_validated(self, step: Step) -> float:
         """Square error of a step on fitting weeks left out in turn. [K²]"""
         sums = self.sums(step, self.case.record, self.case.searched).sums
@@ -177,9 +187,15 @@ class Fits:
 
     def sums(self, step: Step, record: Record, counts: np.ndarray) -> DailySums:
         """Daily sums of the rows of a record that count and that a step knows."""
+        rows, tabled = self.rows(step, record, counts)
+        return daily_sums(tabled, step.coefficients, rows, step.at_bound)
+
+    def rows(
+        self, step: Step, record: Record, counts: np.ndarray
+    ) -> tuple[Rows, ThermalModel]:
+        """The rows that count and that a step knows, and its model as tables."""
         record, tabled = self.prepared(record, step.model)
-        rows = counts & record.complete_rows(step.model.drivers)
-        return daily_sums(tabled, step.coefficients, Rows(record, rows), step.at_bound)
+        return Rows(record, counts & record.complete_rows(step.model.drivers)), tabled
 
     def prepared(
         self, record: Record, model: ThermalModel

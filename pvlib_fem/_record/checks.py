@@ -430,7 +430,17 @@ def not_a_number(name: str, values: Any, row: Any, index: Any) -> ValueError:
 
 
 def is_number(value: Any) -> bool:
-    """Whether a value is one real number; numpy counts its durations among these."""
+    """
+    Whether a value is one real number and no duration, which numpy takes for one.
+
+    Parameters
+    ----------
+    value : object
+
+    Returns
+    -------
+    bool
+    """
     return isinstance(value, numbers.Real) and not isinstance(value, np.timedelta64)
 
 

@@ -497,7 +497,19 @@ class ThermalModel:
 
 
 def refuse_tau(tau: float) -> None:
-    """Refuse a time constant of a steady model, other than the usual near 0. [s]"""
+    """
+    Refuse a time constant of a model without memory.
+
+    Parameters
+    ----------
+    tau : float
+        The usual one near 0 stands for none. [s]
+
+    Raises
+    ------
+    ValueError
+        If it is another.
+    """
     if tau != INSTANT:
         raise ValueError(
             f"tau = {tau:g} s is given, and dynamics='steady' has no memory; drop it, "
