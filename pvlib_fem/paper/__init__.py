@@ -1,7 +1,7 @@
 """
-The paper's own estimators; each returns the number of points that it used.
+The paper's own estimators; an estimate has the number of points behind it.
 
-All take Series with a DatetimeIndex. They average over five minutes, as an
+They take Series with a DatetimeIndex. Most average over five minutes, as an
 approximate steady state, and regress over-temperature T_o = T_module - T_air.
 The source is [1]_.
 

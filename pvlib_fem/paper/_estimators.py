@@ -297,9 +297,10 @@ def d(
     offset: float = 0.0,
 ) -> Estimate:
     """
-    Wind coefficient of WM1: slope of -WS over ln(T_o/(k·G)) in high irradiance.
+    Wind coefficient of WM1, from the slope of ln(T_o/(k·G)) over wind.
 
-    This is the second of the two regressions of WM1 (Eq. 18).
+    It is the second of the two regressions of WM1 (Eq. 18), in high irradiance: a line
+    through the origin, whose slope is -1/d.
 
     Parameters
     ----------
@@ -411,8 +412,9 @@ def k_w(
         Least number of averages of a bin.
     intercept : bool, default False
         Whether the second line has an intercept. By Eq. 20 the slopes are -k_W·G, so it
-        has none. With an intercept and few bins, k_W can be too large for WM2 (0.0056
-        with k = 0.0356 K m²/W in the measured week; 8·k_W must be below k).
+        has none. With an intercept and few bins, k_W can be too large for WM2: on every
+        other day of the measured week it is 0.0056 K m s/W with k = 0.0356 K m²/W, and
+        8·k_W must be below k.
 
     Returns
     -------

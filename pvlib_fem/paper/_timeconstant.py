@@ -82,8 +82,9 @@ def time_constant(
     **This estimator decreases as the true time constant increases.** For a first-order
     module the slope over r_eq,max is the *share of the response reached* after 20 min,
     which falls as the true time constant grows. It falls with wind by construction.
-    On 60 days of :func:`pvlib_fem.datasets.synthetic` at 1 min (seed 1), without
-    noise and with the true r_eq,max:
+    On 60 days of :func:`pvlib_fem.datasets.synthetic` at 1 min (seed 1) by WM1 (k =
+    0.035 K m²/W, d = 10 m/s) with ``dynamics="ewm"``, without noise and with the true
+    r_eq,max:
 
     ====================  ====  ====  ====  ====  ====  ====
     true tau [s]           120   200   300   400   600   900
