@@ -25,6 +25,7 @@ from pvlib_fem._spelling import (
     ShellText,
     argument,
     did_you_mean,
+    no_columns,
     refusal,
 )
 from pvlib_fem._thermal.model import ThermalModel, thermal_model
@@ -192,6 +193,10 @@ def fit_fem(
         columns = [there.get(name) for name in COLUMNS]
         drivers = {name: there[name] for name in target.drivers}
     given = [name for name, column in zip(COLUMNS, columns) if column is not None]
+    if missing := [name for name in ALWAYS if name not in given]:
+        raise ValueError(
+            f"{no_columns(missing)}; give a Series of each, or a DataFrame"
+        )
     target.refuse_without_wind([*given, *drivers])
     frame, notes = as_frame(columns, drivers, target, *how)
     if method == "paper":

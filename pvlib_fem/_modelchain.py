@@ -126,6 +126,7 @@ class DynamicCellTemperature:
             wanted = thermal_model(model, dynamics, map(find, several(effects)))
             effects = wanted.effects
             if coefficients is not None:
+                refuse_cell(coefficients)
                 wanted.checked(coefficients)
             given = [n for n in drivers if n not in WEATHER]
             # the chain provides the solar position and the plane of its mounts
@@ -304,6 +305,16 @@ class DynamicCellTemperature:
                     f"temperature_model({name}=...)",
                     stacklevel=2,
                 )
+
+
+def refuse_cell(coefficients: Mapping[str, float]) -> None:
+    """Refuse the way from the back to the cells among a model's coefficients."""
+    if found := [name for name in CELL if name in coefficients]:
+        raise ValueError(
+            f"{found[0]} is no coefficient of the model: it leads from the back of the "
+            f"module to its cells; give it as {found[0]}={coefficients[found[0]]} "
+            "beside coefficients"
+        )
 
 
 def missing_in_array(thermal: ThermalModel, missing: list[str], array: Any) -> str:

@@ -191,9 +191,9 @@ def translate_coefficients(
         mean square over ``wind_speed``. ``"calm"``: at 0 m/s, the paper's k = e^a =
         1/u0 [1]_; that the slopes agree there, too, is this package's choice.
     wind_speed : array, optional
-        Wind speeds for ``"least_squares"``; by default a Weibull distribution with
-        90 % below 5 m/s, as in the paper, and of shape 2, which is this package's
-        choice. [m/s]
+        Wind speeds for ``"least_squares"``, which other methods do not use; by default
+        a Weibull distribution with 90 % below 5 m/s, as in the paper, and of shape 2,
+        which is this package's choice. [m/s]
     **fixed
         Constants of the target: ``module_efficiency`` and ``alpha_absorption`` of
         pvsyst (by default pvlib's 0.1 and 0.9), ``module_efficiency`` (required)
@@ -244,6 +244,8 @@ def translate_coefficients(
     """
     carried = {name: coefficients[name] for name in CARRIED if name in coefficients}
     own = {name: v for name, v in coefficients.items() if name not in CARRIED}
+    if method not in METHODS:
+        raise ValueError(f"unknown method {method!r}; they are {', '.join(METHODS)}")
     start, own = completed_shape(source, own)
     goal = shape(target)
     own_limit = source == target and goal.clip and goal.clip not in fixed
@@ -258,11 +260,9 @@ def translate_coefficients(
         line = at_calm(start, own, goal)
     elif method == "two_winds":
         line = at_two_winds(start, own, goal, limit)
-    elif method == "least_squares":
+    else:
         refuse_one_wind(winds, goal, limit)
         line = at_winds(start, own, goal, winds, limit)
-    else:
-        raise ValueError(f"unknown method {method!r}; they are {', '.join(METHODS)}")
     first, second = (float(value) + 0.0 for value in line)  # no -0.0
     if (second < 0) if goal.bend is reciprocal else (second > 0):
         raise ValueError(f"{source} {own} gains heat from wind; {target} cannot")
@@ -341,6 +341,11 @@ def translation_mismatch(
     -------
     Mismatch
         [K]
+
+    Raises
+    ------
+    ValueError
+        As :func:`translate_coefficients`, or if a wind speed is negative or NaN.
 
     Examples
     --------

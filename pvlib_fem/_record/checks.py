@@ -460,4 +460,5 @@ def at_time(index: Any, row: int) -> str:
     str
         Such as ``"2023-06-01 12:00:00 (row 720)"``.
     """
-    return f"{index[row]} (row {row})" if len(index) > row else f"row {row}"
+    timed = len(index) > row and not isinstance(index, pd.RangeIndex)
+    return f"{index[row]} (row {row})" if timed else f"row {row}"

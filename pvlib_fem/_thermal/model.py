@@ -264,6 +264,8 @@ class ThermalModel:
         drivers = by_own_names(drivers)
         self.check_drivers(drivers)
         coefficients = self.checked(coefficients)
+        if temp_air is None:
+            raise ValueError(f"{no_columns(['temp_air'])}; give a Series of it")
         if wind_speed is None:
             self.refuse_without_wind(("poa_global", "temp_air", *drivers))
         columns = {

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._record.checks import at_time
+from pvlib_fem._record.checks import at_time, is_number
 from pvlib_fem._record.inputs import Inputs, read
 from pvlib_fem._relaxation import relax, smoothed
 from pvlib_fem._thermal.steady_models import (
@@ -108,7 +108,8 @@ def wm2(
     Raises
     ------
     ValueError
-        If ``k`` is not positive or ``k_w * wind_speed_max`` is not below ``k``.
+        If ``k`` or ``wind_speed_max`` is not positive, or ``k_w * wind_speed_max`` is
+        not below ``k``.
 
     References
     ----------
@@ -192,8 +193,9 @@ def fem_temperature(
     **coefficients
         Coefficients of the model, by name: ``k`` or ``noct`` (ross), ``a``, ``b``
         (sapm), ``u0``, ``u1`` (faiman, by default pvlib's 25 and 6.84), ``k``, ``d``
-        (wm1), ``k``, ``k_w`` (wm2), ``u_c``, ``u_v``, ``module_efficiency``,
-        ``alpha_absorption`` (pvsyst, by default pvlib's 29, 0, 0.1 and 0.9),
+        (wm1), ``k``, ``k_w``, ``wind_speed_max`` (wm2, the last by default 8 m/s),
+        ``u_c``, ``u_v``, ``module_efficiency``, ``alpha_absorption`` (pvsyst, by
+        default pvlib's 29, 0, 0.1 and 0.9),
         ``noct`` (noct), ``noct``, ``module_efficiency``,
         ``transmittance_absorptance`` (noct_sam, the last by default 0.9).
 
@@ -325,9 +327,9 @@ def heat_balance(
     chosen = steady_model(model, coefficients)
     coefficients = chosen.complete(coefficients)
     inputs = driver_inputs(poa_global, temp_air, wind_speed, step, times)
-    single = np.isscalar(capacity)
-    if not (single and capacity > 0):
-        raise ValueError(f"capacity = {capacity} must be a positive number [J/(m² K)]")
+    if not (is_number(capacity) and capacity > 0):
+        what = "capacity" if np.ndim(capacity) else f"capacity = {capacity}"
+        raise ValueError(f"{what} must be a positive number [J/(m² K)]")
     r_eq = checked_resistance(chosen, inputs["wind_speed"], coefficients)
     target = inputs["temp_air"] + inputs["poa_global"] * r_eq
     tau = capacity / inputs.unit * r_eq

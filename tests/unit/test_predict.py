@@ -87,6 +87,12 @@ def test_a_steady_model_takes_no_time_constant(month):
         ("faiman", "balance", {**FAIMAN, "capacity": -1.0}, "capacity = -1.0 must be"),
         ("noct_sam", "ewm", {"noct": 45.0}, "noct_sam needs module_efficiency"),
         (
+            "sapm",
+            "ewm",
+            {"a": -3.47, "b": -0.0594, "deltaT": 3.0},
+            "give it as deltaT=3.0 beside coefficients",
+        ),
+        (
             "faiman",
             "ewm",
             {**FAIMAN, "tau": HOUR},
@@ -99,6 +105,15 @@ def test_coefficients_that_cannot_be_are_refused_at_once(
 ):
     with pytest.raises(ValueError, match=message):
         fem.DynamicCellTemperature(model, dynamics, coefficients)
+
+
+def test_columns_that_are_not_given_are_named(month):
+    light, *others = (month[name][:20_000] for name in COLUMNS)
+    fit = fem.fit_fem(light, *others, model="faiman")
+    with pytest.raises(ValueError, match="have no column temp_air; give"):
+        fit.predict(light)
+    with pytest.raises(ValueError, match="no columns temp_air, temp_module; give a S"):
+        fem.fit_fem(light)
 
 
 @pytest.mark.parametrize("dynamics", ["ewm", "balance"])

@@ -428,6 +428,11 @@ def test_arrays_need_their_step():
             lambda g: fem.heat_balance(g, 20, 2, capacity=-5, u0=25, u1=6),
             "capacity = -5 must be a positive number",
         ),
+        (lambda g: fem.heat_balance(g, 20, 2, capacity=g), "^capacity must be a posi"),
+        (
+            lambda g: fem.heat_balance(g.to_numpy(), 20, -1, capacity=1e4, step=60),
+            "wind_speed = -1 m/s at row 0 cannot be",
+        ),
         (
             lambda g: fem.fem_temperature(g, 20, 2, model="wm3", k=0.03),
             "unknown model 'wm3' .*; the models are ross, sapm, faiman, wm1, wm2",

@@ -257,6 +257,7 @@ def test_the_memory_and_the_bias_go_along():
             "try method='two_winds' or 'least_squares'",
         ),
         (({"k": 0.03}, "ross", "sapm", "windy"), "unknown method 'windy'"),
+        (({"k": 0.03}, "ross", "ross", "windy"), "unknown method 'windy'"),
         (({"k": 0.03, "k_w": 0.01}, "wm2", "sapm"), "k_w·8 must be below k"),
         (({"a": -3.0, "b": 0.1}, "sapm", "faiman"), "gains heat from wind"),
         (({"u0": "25", "u1": 3.0}, "faiman", "sapm"), "u0 = '25' must be one number"),
