@@ -51,9 +51,9 @@ class Criteria:
         sees. [weeks]
     min_rmse_reduction : float
         Least gain of an effect: root of the reduction of the mean square error on
-        weeks left out in turn. The default is a third of the 0.4 K of a contact
-        sensor. The gain of a tracker's standstill counts on the days on which it
-        stands. [K]
+        weeks left out in turn, and on all fitting weeks. The default is a third of the
+        0.4 K of a contact sensor. The gain of a tracker's standstill counts on the days
+        on which it stands. [K]
     min_error_share : float
         The material gain as a share of the remaining mean square error. [-]
     min_hint_reduction : float

@@ -370,7 +370,7 @@ class Selection:
         best: Choice | None = None
         others = self.candidates(given, names_of(choices), without)
         falls, most = self.in_sample(others, given), least
-        # on weeks left out it explains no more than on those that are fitted
+        # on weeks left out it seldom explains more than on those that are fitted
         bounds = falls * [worth_share(one, 1.0 / PROFILE_ERROR) for one in others]
         for i in largest_first(bounds):
             if bounds[i] < most:
