@@ -129,12 +129,17 @@ class FemFit:
     @property
     def step(self) -> float:
         """Usual time between rows. [s]"""
-        return self.record.inputs.step  # type: ignore[union-attr]
+        return self.summary.step if self.record is None else self.record.inputs.step
 
     @property
     def wind(self) -> float:
         """Mean wind speed of the record; 0 without a wind column. [m/s]"""
-        return float(np.nanmean(self.record["wind_speed"]))  # type: ignore[index]
+        if self.record is None:
+            raise ValueError(
+                "a fit that was read from a file has no rows and no mean wind; fit "
+                "them again"
+            )
+        return float(np.nanmean(self.record["wind_speed"]))
 
     @property
     def thermal_model(self) -> ThermalModel:

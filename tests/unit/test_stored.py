@@ -125,6 +125,9 @@ def test_a_fit_comes_back_from_either_file(loop, files, name):
     assert again.summary == fit.summary
     pd.testing.assert_frame_equal(again.scores, fit.scores, check_exact=True)
     assert again.record is again.residual is again.holdout is None
+    assert again.step == fit.step
+    with pytest.raises(ValueError, match="no rows and no mean wind; fit them again"):
+        _ = again.wind
     with pytest.raises(ValueError, match="read from a file has no rows to plot"):
         again.plot()
 
