@@ -10,7 +10,7 @@ from pvlib_fem import scores
 from pvlib_fem._fitting.fit_stages import stages_of
 from pvlib_fem._fitting.frame_rows import Frame
 from pvlib_fem._fitting.holdout import held_out
-from pvlib_fem._record.checks import usual_step
+from pvlib_fem._record.checks import is_number, usual_step
 from pvlib_fem._record.column_names import COLUMNS, by_own_names, with_aliases
 from pvlib_fem._record.filters import daytime, night
 from pvlib_fem._record.inputs import as_record
@@ -23,6 +23,7 @@ from pvlib_fem.paper.comparators import COMPARATORS, fitted
 from pvlib_fem.quality._screen import screened
 
 SCORES = {score.__name__: score for score in (scores.rmse, scores.mae, scores.mbe)}
+LONGWAVE = "longwave_down"  # which Barry's model needs
 PRESENT = 0.5  # least share of rows of a longer step
 PARTS = {"day": daytime, "night": night}
 #: the balance of one mass; Torres Lobera and Valkealahti integrate it by Euler's method
@@ -37,7 +38,7 @@ def compare_models(
     models: str | Sequence[str] = MODELS,
     comparators: str | Sequence[str] = (*COMPARATORS, BALANCE),
     method: str = "least_squares",
-    resolutions: Sequence[float] | None = None,
+    resolutions: float | Sequence[float] | None = None,
     holdout: pd.Series | None = None,
     calm_wind: float = 0.5,
     offset: float | str | None = "night",
@@ -66,7 +67,7 @@ def compare_models(
         of Faiman's model (:func:`heat_balance`); all by default, () for none.
     method : str, default "least_squares"
         Method of ``models``, or ``"paper"``, see :func:`fit_fem`.
-    resolutions : sequence of float, optional
+    resolutions : float or sequence of float, optional
         Steps of the means to compare at; a mean needs half of its rows. By default the
         record's own step. [s]
     holdout, calm_wind, offset, check_units
@@ -112,7 +113,7 @@ def compare_models(
     finest, faults = screened(finest, check_units=check_units)
     notes, coefficients = [*faults.notes], {}
     rows: dict = {}
-    steps: list = sorted(resolutions) if resolutions else [None]
+    steps: list = sorted(seconds_of(resolutions)) or [None]
     for step in steps:
         record, out = finest, holdout
         if step is not None:
@@ -133,7 +134,11 @@ def compare_models(
 
 def columns_of(given: dict) -> dict:
     """The columns of a frame in place of the first, or those that are given."""
-    frame = given["poa_global"]
+    frame, known = given["poa_global"], (*COLUMNS, LONGWAVE)
+    if unknown := [name for name in given if name not in known]:
+        raise ValueError(
+            f"no model uses {', '.join(unknown)}; they use {', '.join(known)}"
+        )
     if not isinstance(frame, pd.DataFrame):
         if missing := [name for name in COLUMNS if given[name] is None]:
             raise ValueError(f"{no_columns(missing)}; give all of {', '.join(COLUMNS)}")
@@ -145,7 +150,19 @@ def columns_of(given: dict) -> dict:
             "with all columns, or its columns one by one"
         )
     there = with_aliases(frame)
-    return {n: there[n] for n in (*COLUMNS, "longwave_down") if n in there}
+    return {name: there[name] for name in known if name in there}
+
+
+def seconds_of(resolutions: Any) -> list[float]:
+    """Resolutions as a list; numbers of seconds, and no durations."""
+    if resolutions is None:
+        return []
+    given = [resolutions] if np.ndim(resolutions) == 0 else [*resolutions]
+    if wrong := [one for one in given if not (is_number(one) and one > 0)]:
+        raise ValueError(
+            f"resolution {wrong[0]!r} must be a positive number of seconds"
+        )
+    return given
 
 
 def names_of(names: Any) -> Any:

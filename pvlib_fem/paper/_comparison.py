@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 STEPS = ("standard", "filter", "ewm", "fem")
+LEVELS = ("resolution", "model", "step")
 FITTED = "fem"  # the last step of a model, and the only one of a comparator
 
 
@@ -60,6 +61,11 @@ class Comparison:
         Returns
         -------
         DataFrame
+
+        Raises
+        ------
+        ValueError
+            If there is no such score or resolution.
         """
         chosen = self.resolutions[0] if resolution is None else resolution
         if chosen not in self.resolutions:
@@ -81,7 +87,14 @@ class Comparison:
         Returns
         -------
         DataFrame
+
+        Raises
+        ------
+        ValueError
+            If there is no such score or step.
         """
+        if step not in STEPS:
+            raise ValueError(f"unknown step {step!r}; they are {', '.join(STEPS)}")
         table = self.table.reset_index()
         return score_by_model(table[table["step"] == step], score, "resolution")
 
@@ -148,5 +161,8 @@ class Comparison:
 
 def score_by_model(table: Any, score: Any, rows: Any) -> Any:
     """One score with a column per model; rows and columns keep their order."""
+    if score not in table:
+        scores = ", ".join(name for name in table if name not in LEVELS)
+        raise ValueError(f"unknown score {score!r}; they are {scores}")
     by_model = table.pivot_table(score, rows, "model", sort=False, dropna=False)
     return by_model.reindex(index=table[rows].unique(), columns=table["model"].unique())

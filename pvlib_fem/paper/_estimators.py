@@ -307,7 +307,7 @@ def d(
     poa_global, temp_air, wind_speed, temp_module : Series
         [W/m²], [°C], [m/s], [°C]
     k : float
-        From the first regression, :func:`r_eq_max`. [K m²/W]
+        From the first regression, the ``value`` of :func:`r_eq_max`. [K m²/W]
     poa_min : float, default 600
         Limit of high irradiance; the paper gives no number, this one is the package's.
         [W/m²]

@@ -57,7 +57,7 @@ def time_constant(
     poa_global, temp_air, wind_speed, temp_module : Series
         [W/m²], [°C], [m/s], [°C]
     r_eq_max : float
-        From :func:`r_eq_max`. [K m²/W]
+        The ``value`` of :func:`r_eq_max`. [K m²/W]
     min_points : int, default 10
         Least number of step changes of a bin.
     interval : str, default "5min"

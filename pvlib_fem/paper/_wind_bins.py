@@ -68,7 +68,7 @@ def convection(
     wind_speed : numeric
         [m/s]
     k_w : float
-        From :func:`k_w`. [K m s/W]
+        The ``value`` of :func:`k_w`. [K m s/W]
     wind_speed_max : float, default 8
         Wind speed beyond which more wind has no influence. [m/s]
 

@@ -204,6 +204,9 @@ def test_rows_held_out_by_choice_are_those_that_count(fortnight):
         (dict(method="ols"), "unknown methods 'ols'"),
         (dict(models=(), comparators=()), "nothing to compare"),
         (dict(resolutions=[60]), "resolution 60 s is finer than the record's 300 s"),
+        (dict(resolutions=[pd.Timedelta("1h")]), "resolution Timedelta.* of seconds"),
+        (dict(resolutions="15min"), "resolution '15min' must be a positive number"),
+        (dict(rain=None), "no model uses rain; they use poa_global, .* longwave_down"),
     ],
 )
 def test_what_compare_cannot_do_is_refused_by_name(fortnight, options, message):
@@ -231,6 +234,19 @@ def test_a_record_without_a_column_is_refused(fortnight):
         fem.compare_models(light, air, temp_module=module)
     with pytest.raises(ValueError, match="wind_speed given in addition to a frame"):
         fem.compare_models(fortnight, wind_speed=wind)
+
+
+def test_scores_and_steps_that_are_not_there_are_named(compared):
+    with pytest.raises(ValueError, match="unknown score 'rsme'; they are rmse, mae, m"):
+        compared.by_step("rsme")
+    with pytest.raises(ValueError, match="unknown step 'bias'; they are standard, fil"):
+        compared.by_resolution(step="bias")
+
+
+def test_one_resolution_needs_no_list(fortnight):
+    usual = dict(models="ross", comparators=())
+    found = fem.compare_models(fortnight, resolutions=900, **usual)
+    assert found.resolutions == [900.0]
 
 
 def test_a_resolution_that_was_not_compared_is_refused(compared):
