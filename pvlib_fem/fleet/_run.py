@@ -11,7 +11,7 @@ import pandas as pd
 from pvlib_fem._loop.progress import item_counter
 from pvlib_fem.fleet._engine import client_of, on_dask, serial
 from pvlib_fem.fleet._results import Results
-from pvlib_fem.fleet._store import write_tables
+from pvlib_fem.fleet._store import check_labels, write_tables
 from pvlib_fem.fleet._system_work import Work
 from pvlib_fem.fleet._systems_table import opened_table, systems_of
 from pvlib_fem.fleet._tasks import TASKS, check_task
@@ -105,6 +105,7 @@ def run(
     """
     check_options(task, pages, options)
     table = opened_table(systems)
+    check_labels(table)
     for system in systems_of(table):  # refuses wrong rows before the work
         del system
     out = Path(out).absolute()

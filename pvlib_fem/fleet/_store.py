@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 NONE = stamped("pvlib_fem fleet, failed", {})  # a file without a result
 GROUP = 1000  # systems of a row group of a table
 TABLES = ("systems", "coefficients", "findings")
+STATE = ("task", "state", "message")  # columns of a system without a result, too
 
 
 def name_of(identity: str) -> str:
@@ -146,6 +147,28 @@ def put_page(out: FilePath, identity: str, html: str | None) -> None:
     saved(html, path)
 
 
+def check_labels(table: pd.DataFrame) -> None:
+    """
+    Refuse labels of which the results have a column with that name.
+
+    Parameters
+    ----------
+    table : DataFrame
+        An opened table of systems.
+
+    Raises
+    ------
+    ValueError
+        If a result would replace a label.
+    """
+    labels = labels_of(table)
+    if taken := [name for name in (*STATE, *ROW, "json") if name in labels]:
+        raise ValueError(
+            f"the table of systems has a column {taken[0]!r}, and so have the results; "
+            f"call it otherwise, such as {f'{taken[0]}_label'!r}"
+        )
+
+
 def write_tables(out: FilePath, table: pd.DataFrame, task: str) -> dict[str, int]:
     """
     Make the tables of all results; a failed write leaves the old tables.
@@ -205,7 +228,7 @@ def schemas_of(table: pd.DataFrame) -> "dict[str, Schema]":
     kinds = {str: pa.string(), float: pa.float64(), int: pa.int64(), bool: pa.bool_()}
     head = {"id": str, **dict.fromkeys(labels_of(table), str)}
     place = ("latitude", "longitude", "surface_tilt", "surface_azimuth", "pdc0")
-    state = {"file": str, "task": str, "state": str, "message": str}
+    state = dict.fromkeys(("file", *STATE), str)
     columns = {
         "systems": {**head, **dict.fromkeys(place, float), **state, **ROW},
         "coefficients": {"id": str, **COEFFICIENT},

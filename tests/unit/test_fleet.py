@@ -381,6 +381,8 @@ BAD = (
     ({"skip_lines": "[1]"}, r"system a: skip_lines is '\[1\]'"),
     ({"sort": "perhaps"}, "system a: sort is 'perhaps'"),
     ({"lattitude": "50"}, "'lattitude', which looks like 'latitude'"),
+    ({"state": "Texas"}, "a column 'state', and so have the results.*'state_label'"),
+    ({"rows": "12"}, "a column 'rows', and so have the results"),
 )
 
 
