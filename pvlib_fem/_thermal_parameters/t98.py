@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
+from pvlib_fem._record.checks import usual_step
 from pvlib_fem._record.column_names import with_aliases
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem._statistics.weekly_sums import effective_number
@@ -28,10 +29,7 @@ FEWEST_WEEKS = 8
 LEVELS = {70.0: "no level needed", 80.0: "Level 1", 90.0: "Level 2"}
 SOURCE = "IEC TS 63126; levels as pvdeg.standards has them"
 EQUATION = "98th percentile of T over all hours of a year, nights included"
-GAPS = (
-    "the record has module temperatures for {:.0f} % of its time, and T98 is of all "
-    "hours, nights included"
-)
+GAPS = "{} for {:.0f} % of its time, and T98 is of all hours, nights included"
 NO_YEAR = (
     f"needs a record of {FEWEST_YEARS} whole years, or typical_year with the weather "
     "in the plane of the modules"
@@ -80,7 +78,8 @@ def t98_of_record(measured: Measured) -> Any:
     days = np.ptp(dates) + 1
     share = len(module) * measured.step / (days * 86400.0)
     if share < WHOLE:
-        return dict(value=np.nan, note=GAPS.format(100 * share)), []
+        note = GAPS.format("the record has module temperatures", 100 * share)
+        return dict(value=np.nan, note=note), []
     note, span, error = module_class_note(value), (np.nan, np.nan), np.nan
     if days < WHOLE * YEAR:
         note = f"of {days} days and not of a year; {note}"
@@ -146,17 +145,25 @@ def t98_of_weather(steady: Any, weather: pd.DataFrame) -> dict[str, Any]:
     fit, model = steady.fit, steady.fit.thermal_model
     there = with_aliases(weather, (*model.usual, *model.drivers))
 
-    def hottest(coefficients: dict) -> Any:
+    def temperature(coefficients: dict) -> pd.Series:
         columns = {name: there.get(name) for name in WEATHER}
         columns |= {name: there[name] for name in model.drivers}
         if not steady.with_bias:
             coefficients = coefficients | {"bias": 0.0}
-        temperature = model.predict(coefficients=coefficients, **columns)
-        return np.array([np.nanquantile(temperature, SHARE)])
+        return model.predict(coefficients=coefficients, **columns).dropna()
 
+    def hottest(coefficients: dict) -> Any:
+        return np.array([temperature(coefficients).quantile(SHARE)])
+
+    known = temperature(fit.coefficients)
+    step = usual_step(weather.index)
+    span = (weather.index[-1] - weather.index[0]).total_seconds() + step
+    share, days = np.nan_to_num(len(known) * step / span), span / 86400.0
+    if share < WHOLE:
+        words = "the weather that was given has what the fit needs"
+        return dict(value=np.nan, note=GAPS.format(words, 100 * share))
     (value,), (error,) = hottest(fit.coefficients), steady.error(hottest)
     note = f"by the fit, of the weather that was given; {module_class_note(value)}"
-    days = len(weather) * np.median(np.diff(weather.index)) / np.timedelta64(1, "D")
     if days < WHOLE * YEAR:
         note = f"of {days:.0f} days and not of a year; {note}"
     if not np.isfinite(error):

@@ -431,6 +431,18 @@ def test_a_record_without_nights_has_no_t98():
     assert np.isnan(row["value"]) and "nights included" in row["note"]
 
 
+@pytest.mark.parametrize("nights", ["absent", "missing"])
+def test_weather_without_nights_has_no_t98(nights):
+    """T98 of 98 % of the days would be that of 99 % of the hours."""
+    year = datasets.synthetic(365, 3600, seed=5)
+    fit = fem.fit_fem(year, model="faiman", dynamics="steady")
+    sunny = year["poa_global"] > 0.0
+    day = year[sunny] if nights == "absent" else year.where(sunny)
+    table = fit.thermal_parameters(typical_year=day)
+    row = table.loc[("T98", "of a typical year")]
+    assert np.isnan(row["value"]) and "nights included" in row["note"]
+
+
 def test_the_mean_of_effects_is_added_with_the_record(plant, tmp_path):
     """A sky that cools: the parameters follow the temperatures of a plain fit."""
     names = [*DRIVERS, "temp_module", "longwave_down"]
