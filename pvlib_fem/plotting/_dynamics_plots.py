@@ -188,7 +188,8 @@ def tau_by_wind(fit: "FemFit") -> pd.DataFrame:
     model, record = fit.thermal_model, present(fit.record)
     name = time_constant_name(fit)
     coefficients = {**model.steady_model.fixed, **fit.coefficients}
-    temperature, slopes = model.slopes(record.inputs, coefficients)
+    inputs = model.with_drivers(record.inputs)
+    temperature, slopes = model.slopes(inputs, coefficients)
     residual = record["temp_module"] - temperature
     over = temperature - coefficients["bias"] - record["temp_air"]
     columns = (slopes[name], over, np.ones(len(over)))

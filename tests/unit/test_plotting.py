@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
-from pvlib_fem import datasets, fit_fem, plotting
+from pvlib_fem import datasets, fit_fem, plotting, simulator
 from pvlib_fem._loop.close import close_loop
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem.plotting._style import LONGEST, dated_axis, escaped_name, outside_legend
@@ -415,6 +415,14 @@ def test_one_time_constant_for_all_winds_is_seen_to_be_wrong():
     tau = fit.coefficients["tau"]
     assert found["lower"].iloc[0] > tau > found["upper"].iloc[-1]
     assert found["tau"].is_monotonic_decreasing
+
+
+def test_a_model_with_effects_has_a_time_constant_by_wind():
+    """Exchange by the fourth power needs the temperature without effects."""
+    data = simulator.record(effects=simulator.PHYSICS, days=60, step=600)
+    fit = close_loop(data[list(COLUMNS)]).fit
+    assert "radiative_loss" in [effect.name for effect in fit.effects]
+    assert len(plotting.tau_by_wind(fit)) > 5
 
 
 def test_bins_that_tell_nothing_are_left_out(ax):
