@@ -130,8 +130,8 @@ def plot_contributions(loop: "Loop", ax: "Axes | None" = None) -> "Axes":
     ax.axhline(0.0, color=text_colour(), linewidth=0.8)
     for i, (name, values) in enumerate(parts.items()):
         look: Look = dict(color=COLOURS[i % len(COLOURS)], linewidth=1.4)
-        # the line style changes with the colour, and again when colours repeat
-        look["linestyle"] = STYLES[(i + i // len(COLOURS)) % len(STYLES)]
+        # seven colours and four styles: 28 lines until both come together again
+        look["linestyle"] = STYLES[i % len(STYLES)]
         size = np.sqrt(np.nanmean(values**2))
         words = f"{escaped_name(name)}, rms {size:.2f} K"
         ax.plot(day.hours, day.drawn_rows(values), label=words, **look)

@@ -4,6 +4,7 @@ import datetime
 import warnings
 from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -138,6 +139,16 @@ def test_contributions_are_those_of_the_loop(closed, ax):
     assert found
     for name, (_, values) in found.items():
         np.testing.assert_allclose(values, day[name], atol=1e-12)
+
+
+def test_no_two_of_many_contributions_look_alike(closed, ax):
+    index = closed.fit.record.index
+    parts = pd.DataFrame({f"effect {i}": 1.0 * i for i in range(12)}, index)
+    loop = SimpleNamespace(fit=closed.fit, contributions=lambda *_, **__: parts)
+    plotting.plot_contributions(loop, ax)
+    drawn = [line for line in ax.get_lines() if ", rms" in line.get_label()]
+    looks = {(line.get_color(), line.get_linestyle()) for line in drawn}
+    assert len(looks) == len(drawn) == 12
 
 
 @pytest.mark.parametrize("name", ["a$b$", "$x^{$", "_quiet", "气温", "a\nb", "x" * 99])
