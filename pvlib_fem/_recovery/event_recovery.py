@@ -14,8 +14,8 @@ from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.planes import with_given
 from pvlib_fem._loop.power_events import EVENTS
-from pvlib_fem._record.column_names import PLANT_POWER, plant_power, printable
-from pvlib_fem._recovery.inject import add_to_rows
+from pvlib_fem._record.column_names import PLANT_POWER, plant_power
+from pvlib_fem._recovery.inject import add_to_rows, labels_of
 from pvlib_fem._spelling import no_columns
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers._plant_irradiance import LEAST
@@ -81,7 +81,8 @@ def recover_events(
     Raises
     ------
     ValueError
-        If there is no power, no such effect, or no day with room for an event.
+        If there is no power, no such effect, or no day with room for an event, or a
+        number is out of range.
 
     Notes
     -----
@@ -105,6 +106,11 @@ def recover_events(
         raise ValueError(
             f"{', '.join(unknown)} is no event; there are {', '.join(EVENTS)}"
         )
+    if not names:
+        raise ValueError(f"effects is empty; give some of {', '.join(EVENTS)}")
+    for name, value in (("size", size), ("hours", hours), ("draws", draws)):
+        if not value > 0:
+            raise ValueError(f"{name} = {value:g}; give a number above 0")
     criteria = criteria or Criteria()
     place = checked_place(location, surface_tilt, surface_azimuth, mount)
     data, place = with_given(data, place)
@@ -250,7 +256,7 @@ class Plant:
 
     def put(self, data: pd.DataFrame, event: Event) -> None:
         """Change a frame by an event, in place."""
-        labels = {printable(label): label for label in data}
+        labels = labels_of(data)
         rows = np.zeros(len(self.record.index), dtype=bool)
         rows[event.rows] = True
         changes = {"temp_module": np.zeros(len(rows))}

@@ -124,7 +124,8 @@ def recover_effects(
     ------
     ValueError
         If the record is unusable, as in :func:`close_loop`; if the file of ``path``
-        is of another record, version or call; or if no effect can be injected.
+        is of another record, version or call; if no effect can be injected; or if
+        ``sizes`` or ``draws`` is none.
 
     Notes
     -----
@@ -179,6 +180,7 @@ def recover_effects(
     """
     from pvlib_fem import __version__  # here, because of circular imports
 
+    check_sizes(sizes, draws)
     criteria = criteria or Criteria()
     how: dict[str, Any] = dict(
         holdout=holdout, effects=tried, check_units=check_units, fixed=fixed
@@ -230,6 +232,15 @@ def recover_effects(
                 result.to_json(path)
             report(trial.what)
     return result
+
+
+def check_sizes(sizes: Any, draws: int) -> None:
+    """Refuse sizes that are no sequences, and no draws."""
+    for some in sizes.values() if isinstance(sizes, Mapping) else [sizes]:
+        if np.ndim(some) != 1:
+            raise ValueError(f"sizes has {some!r}; give a sequence of numbers")
+    if draws < 1:
+        raise ValueError(f"draws = {draws}; give 1 or more")
 
 
 def with_replacements(

@@ -14,8 +14,9 @@ import pandas as pd
 from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._record.checks import usual_step
-from pvlib_fem._record.column_names import ALIASES, ANGLES, GEOMETRY, RENAMED, printable
+from pvlib_fem._record.column_names import ANGLES, GEOMETRY
 from pvlib_fem._recovery.draw import time_profile_of
+from pvlib_fem._recovery.inject import labels_of
 from pvlib_fem.drivers import geometry, needed_for
 from pvlib_fem.effects import EFFECTS
 
@@ -176,13 +177,6 @@ class Scrambler:
             changes = [one for one in changes if time_profile_of(one).name != "episode"]
         words = f"{'weeks' if length == WEEK else 'quarters'} exchanged between years"
         return record, holdout, {one.name for one in changes}, words
-
-
-def labels_of(data: pd.DataFrame) -> Any:
-    """The label of each column, by the package's name."""
-    labels = {printable(label): label for label in data}
-    others = {**ALIASES, **RENAMED}
-    return {new: labels[old] for old, new in others.items() if old in labels} | labels
 
 
 def explained_share(one: Any, other: Any, angles: bool = False) -> Any:

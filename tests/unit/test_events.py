@@ -457,6 +457,18 @@ def test_what_cannot_be_put_in_is_refused(clean):
         fem.recover_events(clean.drop(columns="power_ac"))
     with pytest.raises(ValueError, match="no day has room for outage of 30 K"):
         fem.recover_events(clean, "outage", size=30.0)
+    with pytest.raises(ValueError, match="effects is empty; give some of modules"):
+        fem.recover_events(clean, [])
+    for name in ("size", "hours", "draws"):
+        with pytest.raises(ValueError, match=f"{name} = 0; give a number above 0"):
+            fem.recover_events(clean, "outage", **{name: 0})
+
+
+@pytest.mark.filterwarnings("ignore:the column p_dc:FutureWarning")
+def test_events_are_put_into_power_by_its_older_name(clean):
+    older = clean.assign(p_dc=clean["power_ac"] / 33.0).drop(columns="power_ac")
+    found = fem.recover_events(older, "outage", size=2.0, draws=3)
+    assert found["found"].all()
 
 
 UNFIT = {

@@ -231,6 +231,11 @@ def test_what_cannot_be_put_in_is_said(record):
         fem.recover_effects(record, "sky_radiation", sizes={"rain": [1.0]}, **how)
     with pytest.raises(ValueError, match=r"size of 9 is not possible.*at most 3"):
         fem.recover_effects(record, sizes={"sky_radiation": [9.0]}, **how)
+    for sizes in (3.0, {"sky_radiation": 3.0}):
+        with pytest.raises(ValueError, match=r"sizes has 3.0; give a sequence"):
+            fem.recover_effects(record, sizes=sizes, **how)
+    with pytest.raises(ValueError, match="draws = 0; give 1 or more"):
+        fem.recover_effects(record, **how | {"draws": 0})
 
 
 def test_draws_differ_by_seed_and_not_by_what_else_is_put_in(record, done):
