@@ -45,8 +45,10 @@ class Layer:
     is_film: bool = False
 
     def __post_init__(self) -> None:
-        if self.thickness < 0:
-            raise ValueError(f"{self.name}: thickness = {self.thickness} is negative")
+        if not self.thickness >= 0:
+            raise ValueError(
+                f"{self.name}: thickness = {self.thickness} must be 0 or positive"
+            )
         for name in ("conductivity", "density", "heat_capacity", "area"):
             if not getattr(self, name) > 0:
                 raise ValueError(
@@ -78,7 +80,7 @@ def stack(front: Iterable[Layer], back: Iterable[Layer]) -> pd.DataFrame:
 
     Parameters
     ----------
-    front, back : sequence of Layer
+    front, back : iterable of Layer
         Layers of a side, from its outside to the cells.
 
     Returns
@@ -106,6 +108,7 @@ def stack(front: Iterable[Layer], back: Iterable[Layer]) -> pd.DataFrame:
     >>> print(round(table.loc["total + air", "tau"], 1))
     590.6
     """
+    front, back = tuple(front), tuple(back)
     rows = [
         row(layer.name, layer.resistance, layer.capacity, layer.mass)
         for layer in (*front, *back)

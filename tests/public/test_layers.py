@@ -60,9 +60,15 @@ def test_a_thick_back_film_is_a_module_on_a_roof():
 def test_a_layer_must_be_of_something():
     with pytest.raises(ValueError, match="glass: conductivity = 0 must be positive"):
         layers.Layer("glass", 3e-3, 0, 3000, 500)
-    with pytest.raises(ValueError, match="thickness = -1 is negative"):
-        layers.Layer("glass", -1, 1.8, 3000, 500)
+    for thickness in (-1, float("nan")):
+        with pytest.raises(ValueError, match=f"thickness = {thickness} must be 0 or"):
+            layers.Layer("glass", thickness, 1.8, 3000, 500)
     film = layers.Layer("film", 1e-3, 0.023, 1.2, 1000, is_film=True)
     glass = layers.Layer("glass", 3e-3, 1.8, 3000, 500)
     with pytest.raises(ValueError, match="front has no layer other than its air film"):
         layers.stack([film], [glass])
+
+
+def test_layers_may_come_one_by_one(table):
+    front, back = layers.glass_tedlar()
+    assert layers.stack(iter(front), iter(back)).equals(table)
