@@ -3,6 +3,7 @@
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from urllib.parse import quote
 
 import numpy as np
 import pandas as pd
@@ -24,6 +25,7 @@ from pvlib_fem._report.document import (
 from pvlib_fem._report.formatting import two_decimals, two_digits
 from pvlib_fem._report.page_parts import heading
 from pvlib_fem._stored import saved
+from pvlib_fem._thermal.steady_models import STEADY_MODELS
 from pvlib_fem.fleet._results import Results
 from pvlib_fem.fleet._shared import Shared, few_names, shared_causes
 from pvlib_fem.fleet._store import page_path, put_page
@@ -33,7 +35,9 @@ from pvlib_fem.types import FilePath
 
 SHOWN = 50  # rows of each table of the page
 OF_COLUMN = "driver:"  # before the column of the user's own that an effect is of
-OWN = ("u0", "u1", "k", "d", "k_w", "tau", "capacity", "bias")
+#: coefficients of all models without their effects
+OWN = {name for one in STEADY_MODELS.values() for name in one.parameters}
+OWN |= {"tau", "capacity", "bias"}
 
 
 def report(
@@ -108,7 +112,7 @@ class Pages:
             html = self.results.result(identity).to_html(title=title)
             put_page(self.results.out, identity, html)
         try:
-            address = Path(os.path.relpath(path, self.folder)).as_posix()
+            address = quote(Path(os.path.relpath(path, self.folder)).as_posix())
         except ValueError:  # on another drive
             address = path.as_uri()
         return link(identity, address)
@@ -280,21 +284,23 @@ def dates_of_group(group: Shared) -> str:
 def coefficient_table(
     systems: pd.DataFrame, values: pd.DataFrame, by: str
 ) -> Paragraph | Table:
-    """Table of the spread of each coefficient, by a label."""
+    """Table of the spread of each coefficient, by a label and the model."""
     labels = systems.set_index("id")
     which = labels[by] if by in labels else pd.Series("", labels.index)
     own = values[values["coefficient"].isin(OWN)]
-    own = own.assign(by=own["id"].map(which))
+    own = own.assign(by=own["id"].map(which), model=own["id"].map(labels["model"]))
     lines = []
-    for (label, name), some in own.groupby(["by", "coefficient"], sort=True):
+    groups = own.groupby(["by", "model", "coefficient"], sort=True)
+    for (label, model, name), some in groups:
         low, middle, high = some["value"].quantile([0.1, 0.5, 0.9])
         error = some["stderr"].median()
         cells = (*map(four_digits, (low, middle, high)), two_digits(error))
         count = f"{len(some):,}"
-        lines.append((label or "not given", name, some["unit"].iloc[0], count, *cells))
+        unit = some["unit"].iloc[0]
+        lines.append((label or "not given", model, name, unit, count, *cells))
     if not lines:
         return paragraph("No coefficients: no system was done.")
-    head = (by, "coefficient", "unit", "#systems", "#10 %", "#median", "#90 %")
+    head = (by, "model", "coefficient", "unit", "#systems", "#10 %", "#median", "#90 %")
     words = "" if by in labels else f" The table of systems has no column {by}."
     return shortened_table(
         (*head, "#median ±"),

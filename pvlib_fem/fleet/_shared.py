@@ -144,7 +144,8 @@ class Shared:
         tested = self.have + len(self.without) + len(self.maybe)
         if self.alone:
             one = f"this one{more}" if more else "this one alone"
-            words = f"{one}, and not {len(self.without)} others that would show it"
+            few = len(self.without)
+            words = f"{one}, and not {few} other{'s' * (few > 1)} that would show it"
             return f"{words}: suspect its module, sensor or surroundings{some}"
         count = f"{self.have} of {tested}{more}"
         if not self.everywhere:

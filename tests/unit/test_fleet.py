@@ -11,6 +11,7 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
+from urllib.parse import unquote
 
 import pandas as pd
 import psutil
@@ -541,7 +542,7 @@ def test_the_page_has_every_state_and_links_to_each_system(table, tmp_path):
     odd = table.assign(mounting=["rack", "<b>roof</b>"] * 3, pdc0=[1e3, 3e3] * 3)
     with pytest.raises(ValueError, match="holds no results"):
         fleet.report(tmp_path)
-    results = fleet.run(odd, tmp_path / "out", "fit", workers=0)
+    results = fleet.run(odd, tmp_path / "out #1, 100 %", "fit", workers=0)
     html = fleet.report(results.out, tmp_path / "fleet.html", title="Plants & roofs")
     assert (tmp_path / "fleet.html").read_text("utf-8") == html
     assert "6 systems, 4 done, 2 failed" in html
@@ -549,7 +550,8 @@ def test_the_page_has_every_state_and_links_to_each_system(table, tmp_path):
     links = re.findall(r'href="(.*?)"', html)
     assert len(links) == 4
     for link in links:
-        assert "<title>" in (tmp_path / link).read_text("utf-8")
+        assert "<title>" in (tmp_path / unquote(link)).read_text("utf-8")
+        assert "#" not in link  # after which a browser looks for a part of the page
     # by the energy that they misjudge, of which the larger have more
     rows = results.systems.query("state == 'done'").set_index("id")
     worst = rows["energy_error_after"] * rows["insolation"] * rows["pdc0"]
@@ -559,6 +561,18 @@ def test_the_page_has_every_state_and_links_to_each_system(table, tmp_path):
     k = results.coefficients.query("coefficient == 'k'").set_index("id")["value"]
     racks = k[rows.index[rows["mounting"] == "rack"]]
     assert f"{racks.median():.4g}" in html
+
+
+def test_the_page_has_the_coefficients_of_each_model(table, tmp_path):
+    """A noct of two models is not one quantity."""
+    models = {"east": "sapm", "west/2": "pvsyst", "roof 3": "noct"}
+    some = table[table["id"].isin(models)]
+    some = some.assign(steady_model=some["id"].map(models))
+    results = fleet.run(some, tmp_path, "fit", workers=0)
+    html = fleet.report(results.out)
+    known = [("sapm", "a"), ("sapm", "b"), ("pvsyst", "u_c"), ("pvsyst", "u_v")]
+    for model, name in [*known, ("noct", "noct")]:
+        assert re.search(rf"<td>{model}</td>\s*<td>{name}</td>", html)
 
 
 def test_faults_of_devices_stand_first_by_the_name_of_their_system(tmp_path):
