@@ -37,9 +37,10 @@ def plot_ceiling(ceiling: "Ceiling", ax: "Axes | None" = None) -> "Axes":
     """
     ax = new_axes(ax, height=2.4)
     paper, loop, trees = (e**2 for e in (ceiling.paper, ceiling.loop, ceiling.trees))
+    loop = min(loop, paper)  # what makes the error larger explains nothing
     rest = min(loop, trees)
     parts: tuple[tuple[str, float, Look], ...] = (
-        ("explained by the loop", max(paper - loop, 0.0), dict(color=AFTER)),
+        ("explained by the loop", paper - loop, dict(color=AFTER)),
         ("explained by trees alone", loop - rest, dict(color=BEFORE, hatch="//")),
         ("explained by neither", rest, dict(color=OTHER)),
     )

@@ -11,7 +11,7 @@ from conftest import call
 from threadpoolctl import threadpool_limits
 
 import pvlib_fem as fem
-from pvlib_fem import simulator
+from pvlib_fem import plotting, simulator
 from pvlib_fem._ceiling import trees as room
 from pvlib_fem._ceiling.ceiling_result import Ceiling
 from pvlib_fem._ceiling.tree_columns import features, group_of, past_of
@@ -85,6 +85,16 @@ def test_the_share_is_of_squares():
     nothing = Ceiling(1.0, 0.9, 1.0, 9, {"date": 0.9, "wind": 1.0})
     assert np.isnan(nothing.closed) and nothing.most == ""
     assert "find nothing" in str(nothing) and "nan" not in str(nothing)
+
+
+@pytest.mark.parametrize("errors", [(2.0, 1.5, 1.0), (1.0, 1.1, 0.9), (1.0, 1.2, 1.1)])
+def test_the_bar_is_as_long_as_the_error_of_the_papers_form(errors):
+    """A loop that makes the error larger explains nothing of it."""
+    pytest.importorskip("matplotlib")
+    axes = plotting.plot_ceiling(Ceiling(*errors, rows=9))
+    widths = [part.get_width() for part in axes.patches]
+    assert sum(widths) == pytest.approx(errors[0] ** 2) and min(widths) >= 0.0
+    axes.figure.clear()
 
 
 def test_what_is_made_from_the_answer_is_no_column_of_the_trees(record, ceiling):
