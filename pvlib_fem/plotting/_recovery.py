@@ -1,13 +1,24 @@
 """Picture of the recovery of injected effects."""
 
+import math
 from typing import TYPE_CHECKING
 
-from pvlib_fem.plotting._style import COLOURS, MARKERS, OTHER, STYLES, Look, new_axes
+from pvlib_fem.plotting._style import (
+    COLOURS,
+    MARKERS,
+    OTHER,
+    STYLES,
+    Look,
+    new_axes,
+    outside_legend,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from pvlib_fem._recovery.recovery_result import Recovery
+
+LEGEND_COLUMNS = 4
 
 
 def plot_recovery(recovery: "Recovery", ax: "Axes | None" = None) -> "Axes":
@@ -24,8 +35,9 @@ def plot_recovery(recovery: "Recovery", ax: "Axes | None" = None) -> "Axes":
     -------
     matplotlib Axes
     """
-    ax = new_axes(ax)
     summary = recovery.summary.reset_index().dropna(subset="multiple")
+    lines_below = math.ceil(summary["effect"].nunique() / LEGEND_COLUMNS)
+    ax = new_axes(ax, height=4.0 + 0.2 * lines_below)
     for i, (name, part) in enumerate(summary.groupby("effect", sort=False)):
         part = part.sort_values("multiple")
         look: Look = dict(
@@ -42,5 +54,7 @@ def plot_recovery(recovery: "Recovery", ax: "Axes | None" = None) -> "Axes":
     ax.set(xlabel="size / predicted size [-]", ylabel="share found [-]")
     ax.set_ylim(-0.03, 1.03)
     if len(summary):
-        ax.legend(fontsize="small")
+        # all effects of the catalogue would cover the lines
+        place = dict(loc="upper center", bbox_to_anchor=(0.5, -0.15))
+        outside_legend(ax, LEGEND_COLUMNS, fontsize="small", **place)
     return ax

@@ -280,3 +280,21 @@ def test_the_picture_has_the_shares_by_size(recovery):
         np.testing.assert_array_equal(line.get_xdata(), part.index)
         np.testing.assert_array_equal(line.get_ydata(), part)
     axes.figure.clear()
+
+
+def test_the_legend_of_many_effects_covers_no_line(recovery):
+    pytest.importorskip("matplotlib")
+    one = recovery.outcomes[0]
+    many = [
+        replace(
+            one, injection=replace(one.injection, effect=f"a_long_name_{i}_episode")
+        )
+        for i in range(35)
+    ]
+    axes = replace(recovery, outcomes=tuple(many)).plot()
+    axes.figure.draw_without_rendering()
+    frame, legend = axes.get_window_extent(), axes.get_legend().get_window_extent()
+    assert legend.y1 <= frame.y0 and frame.height > legend.height
+    assert legend.x0 >= 0.0 and legend.x1 <= axes.figure.bbox.x1
+    assert legend.y0 >= 0.0
+    axes.figure.clear()
