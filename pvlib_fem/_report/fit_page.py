@@ -147,5 +147,4 @@ def fit_call(fit: "FemFit") -> str:
     if fit.night:
         arguments["night"] = True
     inside = "".join(f"    {name}={value!r},\n" for name, value in arguments.items())
-    columns = ", ".join(fit.summary.measured)
-    return f"fit = pvlib_fem.fit_fem(\n    {columns},\n{inside})"
+    return f"fit = pvlib_fem.fit_fem(\n    data,\n{inside})"

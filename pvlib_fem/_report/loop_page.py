@@ -617,7 +617,7 @@ def loop_call(loop: "Loop") -> str:
     for name, value in loop.place.items():
         if hasattr(value, "latitude"):
             where = f"{value.latitude}, {value.longitude}, {str(value.tz)!r}"
-            value = f"Location({where})"
+            value = f"Location({where}, {value.altitude})"
         if value is not None and value != "columns":  # which are in data
             arguments.append(f"{name}={value}")
     arguments += [f"{name}={words}" for name, words in loop.given.items() if words]

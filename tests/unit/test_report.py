@@ -12,6 +12,7 @@ import pandas as pd
 import pytest
 from pvlib.location import Location
 
+import pvlib_fem
 from pvlib_fem import datasets, simulator
 from pvlib_fem._fit import fit_fem
 from pvlib_fem._loop.close import close_loop
@@ -21,8 +22,9 @@ from pvlib_fem._loop.ranking_table import Ranking
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.file_summary import digest
 from pvlib_fem._report import next_measurement as advice
+from pvlib_fem._report.fit_page import fit_call
 from pvlib_fem._report.formatting import with_error
-from pvlib_fem._report.loop_page import first_model
+from pvlib_fem._report.loop_page import first_model, loop_call
 from pvlib_fem.reasons import Reason, because
 
 VOID = {"meta", "br"}
@@ -311,6 +313,25 @@ SECTIONS = (
     "Annex: terms",
     "Annex: how to reproduce this report",
 )
+
+
+@pytest.mark.parametrize(
+    "how", [{"model": "ross"}, {"effects": ["sky_radiation", "wind_direction"]}]
+)
+def test_the_call_of_a_fit_makes_it_again(how):
+    data = simulator.record(days=20, step=1800)
+    data = data.drop(columns=["wind_speed"] if how.get("model") == "ross" else [])
+    fit, names = fit_fem(data, **how), {"pvlib_fem": pvlib_fem, "data": data}
+    exec(fit_call(fit), names)
+    assert names["fit"].coefficients == fit.coefficients
+
+
+def test_the_call_of_a_loop_has_the_altitude_that_was_given(closed):
+    """Clear skies are of it; that of pvlib's map is another."""
+    high = Location(49.4, 8.7, "Etc/GMT-1", altitude=1500)
+    loop = replace(closed, place=closed.place | {"location": high})
+    where = re.search(r"location=(Location\(.*\))", loop_call(loop))[1]
+    assert repr(eval(where)) == repr(high)
 
 
 SHOWN = (("rain", 0.31), ("season", 0.12))
