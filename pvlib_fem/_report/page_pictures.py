@@ -133,7 +133,8 @@ def pictures_of_fit(fit: "FemFit") -> list[tuple[str, str]]:
     which = "held-out" if fit.test_days else "fitted"
     words = f"The most variable of the {which} days, {Span(fit).date}"
     return [
-        draw("day", lambda ax: plotting.plot_fit(fit, ax), words),
+        # two panels, so that the words beside each have room
+        draw("day", lambda ax: plotting.plot_fit(fit, ax), words, size=(4.2, 4.0)),
         *by_month(fit),
         *on_one_scale("map", remaining, *MAP),
         *by_wind(fit, remaining, remaining, known),

@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 from pvlib.location import Location
 
 import pvlib_fem
@@ -21,10 +22,11 @@ from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.ranking_table import Ranking
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.file_summary import digest
-from pvlib_fem._report import next_measurement as advice
+from pvlib_fem._report import next_measurement as advice, page_pictures
 from pvlib_fem._report.fit_page import fit_call
 from pvlib_fem._report.formatting import with_error
 from pvlib_fem._report.loop_page import first_model, loop_call
+from pvlib_fem.plotting._vector import PAGE
 from pvlib_fem.reasons import Reason, because
 
 VOID = {"meta", "br"}
@@ -313,6 +315,22 @@ SECTIONS = (
     "Annex: terms",
     "Annex: how to reproduce this report",
 )
+
+
+def test_words_beside_the_panels_of_a_fit_do_not_overlap(closed, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(page_pictures, "svg", lambda *_, **how: drawn.append((_, how)))
+    page_pictures.pictures_of_fit(closed.fit)
+    ((draw, _), how), *_ = drawn
+    with plt.style.context(["default", PAGE]):
+        figure = Figure(figsize=how.get("size", (4.2, 2.9)), layout="constrained")
+        draw(figure.subplots())
+        figure.draw_without_rendering()
+    labels = [axes.yaxis.label.get_window_extent() for axes in figure.axes]
+    # the page's font may be wider than that of matplotlib
+    left = [one.expanded(1.0, 1.1) for one in labels if one.x0 < figure.bbox.x1 / 2]
+    upper, lower = sorted(left, key=lambda one: -one.y1)
+    assert upper.y1 <= figure.bbox.y1 and lower.y0 >= 0.0 and lower.y1 < upper.y0
 
 
 @pytest.mark.parametrize(
