@@ -104,6 +104,8 @@ def run(
     See :doc:`/guide/fleet`.
     """
     check_options(task, pages, options)
+    if workers is not None and workers < 0:
+        raise ValueError(f"workers = {workers}; give 0, 1 or more")
     table = opened_table(systems)
     check_labels(table)
     for system in systems_of(table):  # refuses wrong rows before the work

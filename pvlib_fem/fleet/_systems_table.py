@@ -118,21 +118,21 @@ def opened_table(systems: pd.DataFrame | FilePath) -> pd.DataFrame:
     Raises
     ------
     ValueError
-        If a required column is missing, an id comes twice, or a column looks like a
-        misspelled known one.
+        If the file is no table, a required column is missing, an id comes twice, or a
+        column looks like a misspelled known one.
     """
     folder = Path.cwd()
     if isinstance(systems, pd.DataFrame):
         table = systems.copy()
     else:
-        path = Path(systems)
-        folder, suffix = path.resolve().parent, path.suffix.lower()
-        if suffix in PARQUET:
-            table = pd.read_parquet(path)
-        elif suffix in EXCEL:
-            table = pd.read_excel(path, dtype=str)
-        else:
-            table = pd.read_csv(path, dtype=str)
+        folder = Path(systems).resolve().parent
+        try:
+            table = table_of_file(Path(systems))
+        except ValueError as error:
+            raise ValueError(
+                f"{systems} is no table of systems ({error}); save it as Parquet, "
+                "Excel or CSV, in UTF-8 and with commas"
+            ) from error
     table.columns = [str(name).strip() for name in table.columns]
     for name in ("id", "file"):
         if name not in table:
@@ -167,6 +167,15 @@ def opened_table(systems: pd.DataFrame | FilePath) -> pd.DataFrame:
     table = table.assign(id=ids).sort_values("id", kind="stable", ignore_index=True)
     table.attrs = {"folder": str(folder)}
     return table
+
+
+def table_of_file(path: Path) -> pd.DataFrame:
+    """The table of a CSV, Excel or Parquet file; NA is a name such as a region's."""
+    if (suffix := path.suffix.lower()) in PARQUET:
+        return pd.read_parquet(path)
+    read = pd.read_excel if suffix in EXCEL else pd.read_csv
+    empty = ["", "NaN", "nan"]
+    return read(path, dtype=str, keep_default_na=False, na_values=empty)
 
 
 def systems_of(table: pd.DataFrame) -> Iterator[System]:

@@ -411,6 +411,28 @@ def test_a_table_needs_its_columns_and_each_id_once(tmp_path):
         fleet.run(one, tmp_path, holdout=[])
 
 
+def test_no_name_of_a_table_is_a_missing_value(tmp_path):
+    """NA is a region as EMEA is; an empty cell has none."""
+    (tmp_path / "systems.csv").write_text("id,file,region\nNA,a.csv,NA\nb,b.csv,\n")
+    first, second = systems_of(opened_table(tmp_path / "systems.csv"))
+    assert (first.id, first.labels["region"]) == ("NA", "NA")
+    assert second.labels["region"] == ""
+
+
+@pytest.mark.parametrize("words", ["", "id,file\nMünchen,a.csv\n"])
+def test_a_file_that_holds_no_table_is_refused_by_name(words, tmp_path):
+    path = tmp_path / "systems.csv"
+    path.write_bytes(words.encode("latin-1"))
+    with pytest.raises(ValueError, match=r"systems.csv is no table of .* in UTF-8"):
+        opened_table(path)
+
+
+def test_a_cluster_has_no_negative_number_of_workers(table, tmp_path):
+    """Without a worker it would wait for ever."""
+    with pytest.raises(ValueError, match="workers = -1; give 0, 1 or more"):
+        fleet.run(table, tmp_path, "fit", workers=-1)
+
+
 @given(st.lists(st.text(min_size=1).filter(str.strip), unique_by=str.strip, min_size=1))
 def test_whatever_ids_are_each_has_a_file_of_its_own(ids):
     table = opened_table(pd.DataFrame({"id": ids, "file": "x"}))
