@@ -30,6 +30,7 @@ SPREAD = 4.0  # m/s, least range of the mean winds
 POINTS = 10  # least number of readings before and after noon of a day
 DAYS = 10
 TILT = (37.5, 2.5)  # °, and its tolerance
+DAY = 86400.0  # s
 STEP = 300.0  # s, longest step with which the filters can be computed
 NOT_SEEN = (
     "not checked, since no record shows it: open rack, load at maximum power, "
@@ -131,7 +132,7 @@ def readings(measured: Measured) -> tuple[pd.DataFrame, int]:
     unsteady = varies | (rough.rolling(QUIET).max() > 0.0)
     over = module - air
     kept = (sun >= BRIGHT) & mean.between(*BETWEEN) & ~unsteady & (over > 0.0)
-    dates = pd.Series(measured.dates, sun.index)
+    dates = pd.Series(days_of_light(measured), sun.index)
     # noon is the middle of each day's light, so the site need not be known
     hours = pd.Series(np.arange(len(sun)), sun.index)
     light = hours[sun > DAYLIGHT].groupby(dates[sun > DAYLIGHT].to_numpy())
@@ -141,6 +142,14 @@ def readings(measured: Measured) -> tuple[pd.DataFrame, int]:
         {"loss": sun / over, "wind": mean, "date": dates, "after": after}
     )
     return table[kept].dropna(), len(noon)
+
+
+def days_of_light(measured: Measured) -> np.ndarray:
+    """Day of each row, from midnight by the sun: in UTC light may be on two dates."""
+    days = measured.record.inputs.seconds / DAY
+    light = np.nan_to_num(measured.record["poa_global"])
+    noon = np.angle(light @ np.exp(2j * np.pi * days)) / (2.0 * np.pi)
+    return np.floor(days - noon + 0.5).astype(int)
 
 
 def regression(table: pd.DataFrame, days: int) -> tuple[dict, dict]:

@@ -354,6 +354,20 @@ def test_nmot_by_the_procedure_has_a_range_that_holds_it(noise):
     assert "10 days" not in row["note"]
 
 
+@pytest.mark.parametrize("zone", ["UTC", "Asia/Tokyo"])
+def test_nmot_by_the_procedure_is_the_same_in_any_zone(zone):
+    """In UTC a day of light in Albuquerque is on two dates."""
+    data = datasets.synthetic(30, 60, noise=0.2)
+    fit = fem.fit_fem(data.iloc[::10], model="faiman", dynamics="steady")
+    here, there = (
+        fit.thermal_parameters(one, surface_tilt=37.0).loc["nmot"]
+        for one in (data, data.tz_convert(zone))
+    )
+    rows = ["by IEC 61853-2", "u0 by IEC 61853-2", "u1 by IEC 61853-2"]
+    for name in ("value", "stderr"):
+        assert list(there.loc[rows, name]) == pytest.approx(list(here.loc[rows, name]))
+
+
 def filtered(change):
     """Readings of a record that pass the filters, after a change of it."""
     data = steady_record(days=1, step=60.0)
