@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 TICKS = (1 / 12, 1 / 6, 0.25, 0.5, 1, 3, 6, 12, 24)  # h between ticks
 MOST_TICKS = 9
 FILLED = 2000  # points of the irradiance in the background
+VISIBLE = 0.01  # share of the width from which a gap interrupts a line
 LEAST = 0.1  # K, ends of an axis of contributions at least
 LOWER = 0.28  # share of the height for the residual
 
@@ -155,14 +156,17 @@ class Span:
             if when is None
             else rows_at_times(record.index, when)
         )
-        self.measured = record["temp_module"][self.rows]
-        self.sun = record["poa_global"][self.rows]
         # hours since local midnight, continuous over a clock change
         index = record.index[self.rows]
         times = index.tz_localize(None)
         self.midnight = times[0].normalize()
         since = (index - index[0]) + (times[0] - self.midnight)
-        self.hours = since.total_seconds().to_numpy() / 3600.0
+        hours = since.total_seconds().to_numpy() / 3600.0
+        least = max(2.0 * record.inputs.step / 3600.0, VISIBLE * np.ptp(hours))
+        self.gaps = 1 + np.flatnonzero(np.diff(hours) > least)
+        self.hours = np.insert(hours, self.gaps, hours[self.gaps])
+        self.measured = self.broken(record["temp_module"][self.rows])
+        self.sun = self.broken(record["poa_global"][self.rows])
         self.start = index[0] - (times[0] - self.midnight)
         first, last = f"{times[0]:%Y-%m-%d}", f"{times[-1]:%Y-%m-%d}"
         self.date = first if first == last else f"{first} to {last}"
@@ -171,9 +175,13 @@ class Span:
         part = "fitted and held out" if out.any() and not out.all() else part
         self.title = f"{self.date}, {part}"
 
+    def broken(self, values: np.ndarray) -> np.ndarray:
+        """Values of the drawn rows, with NaN in each gap, over which no line goes."""
+        return np.insert(np.asarray(values, dtype=float), self.gaps, np.nan)
+
     def drawn_rows(self, column: pd.Series | None) -> np.ndarray:
         """The drawn rows of a Series."""
-        return present(column).to_numpy()[self.rows]
+        return self.broken(present(column).to_numpy()[self.rows])
 
     def reading(self, ax: "Axes") -> None:
         """Draw the measured temperature."""

@@ -215,6 +215,23 @@ def test_a_fit_has_its_residual_below(held, ax):
     assert (bottom.x0, bottom.x1) == pytest.approx((top.x0, top.x1), abs=1)
 
 
+@pytest.mark.parametrize("rows", ["absent", "missing"])
+def test_no_line_goes_over_a_gap(rows, ax):
+    data = datasets.synthetic(8, 600)
+    out = slice("2023-06-03 09:00", "2023-06-03 14:50")
+    gap = data.index.slice_indexer(out.start, out.stop)
+    if rows == "absent":
+        data = data.drop(data.index[gap])
+    else:
+        data.iloc[gap] = np.nan
+    plotting.plot_fit(fit_fem(data), ax, "2023-06-03")
+    for name in ("measured", "wm1, ewm"):
+        hours, values = lines(ax)[name]
+        at = np.searchsorted(hours, 10.0)
+        assert np.isnan(values[at]) and hours[at] > 9.0
+        assert np.isfinite(values).sum() >= 144 - 36 - 1
+
+
 @pytest.mark.parametrize("draw", [plotting.plot_fit, plotting.plot_tau_by_wind])
 def test_a_fit_from_a_file_has_no_rows_to_plot(draw, held, ax):
     stored = replace(held, record=None, residual=None, holdout=None)
