@@ -126,7 +126,7 @@ def headline(systems: pd.DataFrame) -> str:
         words += f", {lost:,} failed"
     if waiting := int((systems["state"] == "not run").sum()):
         words += f", {waiting:,} not run"
-    if len(done):
+    if done["rmse_after"].notna().any():  # a recovery has no error
         before, after = map(two_decimals, done[["rmse_before", "rmse_after"]].median())
         words += f"; median error {before} K before, {after} K after"
     return words
@@ -145,7 +145,7 @@ def to_visit(systems: pd.DataFrame, pages: Pages) -> Table:
         (
             pages[row["id"]],
             row["site"],
-            f"{row['lost']:,.0f}" if known else f"{row['lost']:.1f}",
+            energy_text(row["lost"], known),
             two_decimals(row["share"]),
             two_decimals(row["energy_error_after"]),
             two_decimals(row["rmse_before"]),
@@ -165,6 +165,13 @@ def to_visit(systems: pd.DataFrame, pages: Pages) -> Table:
         "cause, on held-out days, at the insolation of the record; after is the error "
         "of the model with all findings.",
     )
+
+
+def energy_text(energy: float, whole: bool) -> str:
+    """An energy of a plant, or of a kWp; a dash without test days."""
+    if not np.isfinite(energy):
+        return two_decimals(energy)
+    return f"{energy:,.0f}" if whole else f"{energy:.1f}"
 
 
 def device_faults(findings: pd.DataFrame, pages: Pages) -> Paragraph | Table:
@@ -299,7 +306,7 @@ def coefficient_table(
         unit = some["unit"].iloc[0]
         lines.append((label or "not given", model, name, unit, count, *cells))
     if not lines:
-        return paragraph("No coefficients: no system was done.")
+        return paragraph("The results have no coefficients of a model.")
     head = (by, "model", "coefficient", "unit", "#systems", "#10 %", "#median", "#90 %")
     words = "" if by in labels else f" The table of systems has no column {by}."
     return shortened_table(

@@ -21,7 +21,7 @@ from hypothesis import given, strategies as st
 from pvlib.location import Location
 
 import pvlib_fem as fem
-from pvlib_fem import _cli as cli, _stored as stored, fleet, simulator
+from pvlib_fem import _cli as cli, _stored as stored, datasets, fleet, simulator
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.layout import layout_of
 from pvlib_fem.fleet import _store as store
@@ -595,6 +595,19 @@ def test_the_page_has_the_coefficients_of_each_model(table, tmp_path):
     known = [("sapm", "a"), ("sapm", "b"), ("pvsyst", "u_c"), ("pvsyst", "u_v")]
     for model, name in [*known, ("noct", "noct")]:
         assert re.search(rf"<td>{model}</td>\s*<td>{name}</td>", html)
+
+
+def test_a_page_without_errors_has_a_dash_for_each(tmp_path):
+    """A recovery has none, and the loop on a few days has no test weeks."""
+    simulator.record(days=100, step=3600).to_csv(tmp_path / "long.csv")
+    datasets.synthetic(6, 600).to_csv(tmp_path / "short.csv")
+    how = dict(effects="module_offset_step", sizes=[3], draws=1)
+    for file, task, more in (("long", "recover", how), ("short", "loop", {})):
+        rows = pd.DataFrame({"id": ["a"], "file": [str(tmp_path / f"{file}.csv")]})
+        fleet.run(rows, tmp_path / task, task, workers=0, **more)
+        html = fleet.report(tmp_path / task)
+        assert "<td>nan" not in html and ">nan<" not in html
+        assert "no system was done" not in html and "– K before" not in html
 
 
 def test_faults_of_devices_stand_first_by_the_name_of_their_system(tmp_path):
