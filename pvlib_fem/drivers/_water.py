@@ -222,11 +222,10 @@ def snow_cover(
        :func:`pvlib.snow.coverage_nrel`.
     """
     known = 0.0 * (snow_depth + temp_air + poa_global)
-    depth = np.nan_to_num(snow_depth)
-    grows = depth - smoothed(depth, inputs, HOUR) > snowfall
+    grows = snow_depth - smoothed(snow_depth, inputs, HOUR) > snowfall
     warm = may_slide(temp_air, poa_global) & (poa_global > 50.0)
     slid = smoothed(warm * 1.0, inputs, HOUR) > 1.0 - np.exp(-1.5)
-    rows = np.arange(len(depth))
+    rows = np.arange(len(known))
     grew, slid = (
         np.maximum.accumulate(np.where(event, rows, -1)) for event in (grows, slid)
     )

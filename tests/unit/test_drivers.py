@@ -222,6 +222,20 @@ def test_snow_lies_from_its_fall_until_it_slides():
     assert (cover[hour > 34.7] == 0).all()
 
 
+def test_snow_on_the_ground_is_no_snowfall_after_a_gap_of_its_gauge():
+    index = pd.date_range("2023-01-10", periods=288, freq="10min")
+    depth = pd.Series(30.0, index)
+    depth.iloc[100:103], depth.iloc[200:250] = np.nan, np.nan
+    columns = {"snow_depth": depth, "temp_air": pd.Series(-5.0, index)}
+    columns["poa_global"] = pd.Series(100.0, index)
+    lying = derived(columns, "snow_cover")["snow_cover"]
+    np.testing.assert_array_equal(np.isnan(lying), depth.isna())
+    assert np.nanmax(lying) == 0.0
+    fell = columns | {"snow_depth": depth + 10.0 * (index >= index[102])}
+    cover = derived(fell, "snow_cover")["snow_cover"]
+    assert (cover[:100] == 0.0).all() and (cover[103:200] == 1.0).all()
+
+
 # pvlib 0.16 asks pandas in a way that pandas 3 warns of
 @pytest.mark.filterwarnings("ignore:.*BaseOffset")
 def test_snow_slides_by_parts_as_in_pvlib():
