@@ -213,7 +213,7 @@ def fit_power(
     Raises
     ------
     ValueError
-        If fewer than 100 rows above 100 W/m² have power.
+        If fewer than 100 rows above 100 W/m² have power, or power below its limit.
 
     References
     ----------
@@ -279,7 +279,7 @@ def fit_power_arrays(
     Raises
     ------
     ValueError
-        If fewer than 100 rows above 100 W/m² have power.
+        If fewer than 100 rows above 100 W/m² have power, or power below its limit.
     """
     day = np.asarray(day, dtype=float)
     rows = (poa > BRIGHT) & (power > 0.0) & np.isfinite(temp + power)
@@ -289,6 +289,12 @@ def fit_power_arrays(
             "needed for the expected power of a plant; give a longer record"
         )
     limit = limit_of(power[rows])
+    if (below := int((power[rows] < (1.0 - AT_LIMIT) * limit).sum())) < FEWEST:
+        raise ValueError(
+            f"power is below {limit:g}, at which it stays, in {below} rows above "
+            f"{BRIGHT:g} W/m², and {FEWEST} are needed for the expected power of a "
+            "plant; give a longer record, or power that is not stuck"
+        )
     rows = np.flatnonzero(rows)[:: -(-there // MOST)]
     return Search.from_rows(poa[rows], temp[rows], power[rows], day[rows]).run(limit)
 
@@ -342,7 +348,7 @@ class Search:
         rest = self.log_residual(known, gamma, own)
         level = densest(rest)
         known[: len(self.days)] = level
-        spread = NORMAL * np.median(np.abs(rest - level))
+        spread = max(NORMAL * np.median(np.abs(rest - level)), LEAST_SPREAD)
         # change of a logarithm per unit of each parameter, at 30 K and 500 W/m²
         units = np.append(np.ones(len(known)), [30.0, 1.0 / 500.0])
         for _ in range(TURNS):

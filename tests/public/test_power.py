@@ -127,6 +127,21 @@ def test_a_file_keeps_it():
         assert PowerRelation.stored(content) == relation
 
 
+def test_power_without_noise_and_of_the_usual_coefficient_is_expected_as_it_is():
+    """As a modelled plant has it; half of its rows are off its level by 0."""
+    power = plant(gamma=-0.004, own=0.0, season=0.0)
+    found = fit_power(LIGHT, MODULE, power)
+    assert found.gamma == pytest.approx(-0.004) and found.nominal == pytest.approx(9e4)
+    expected = expected_power(LIGHT, MODULE, power)
+    np.testing.assert_allclose(expected, power, rtol=1e-6, atol=1e-6)
+
+
+def test_power_that_is_stuck_is_no_plant():
+    stuck = pd.Series(300.0, INDEX).where(LIGHT > 0.0, 0.0)
+    with pytest.raises(ValueError, match="below 300, at which it stays, in 0 rows"):
+        fit_power(LIGHT, MODULE, stuck)
+
+
 def test_too_few_rows_are_refused_by_name():
     with pytest.raises(ValueError, match="power is there in 3 rows above 100 W/m²"):
         power = plant()
