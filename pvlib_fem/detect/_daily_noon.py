@@ -51,9 +51,11 @@ def noons(
     if not full > 0.0:
         return pd.Series(dtype=float)
     light = values * (FULL / full)
-    dark = solar_midnight(seconds, light)
-    light = with_dark_nights(seconds - dark, light, limits)
     middle_of_row = {"left": step / 2.0, "center": 0.0, "right": -step / 2.0}[label]
+    dark = solar_midnight(seconds, light)
+    if dark > middle_of_row:  # the first row is of the day before
+        dark -= DAY
+    light = with_dark_nights(seconds - dark, light, limits)
     day, middle, _ = light_of_days(seconds - dark + middle_of_row, light, step, limits)
     begins = pd.Timedelta(seconds=dark)
     origin, start = universal(index[0], location) + begins, index[0] + begins

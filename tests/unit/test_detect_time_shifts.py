@@ -112,6 +112,17 @@ def test_a_label_names_the_end_of_an_interval(label, end):
     assert other.usual == pytest.approx(found.usual + (2 * end - 1) * 30.0, abs=2.0)
 
 
+def test_a_first_row_of_the_day_before_does_not_matter():
+    """East of the zone's meridian the sun's midnight is before that of the clock."""
+    here = Location(RHINE.latitude, 29.0, tz="Etc/GMT-1")
+    index = pd.date_range("2023-01-01", periods=60 * 24, freq="1h", tz=here.tz)
+    middle = index - pd.Timedelta(minutes=30)
+    ghi = here.get_clearsky(middle, model="haurwitz")["ghi"].set_axis(index)
+    for first in (0, 12):
+        found = detect.time_shifts(ghi[first:], here, label="right")
+        assert abs(found.usual) < 8.0 and not found.shifted.any()
+
+
 def test_a_path_bears_wild_days():
     random = np.random.default_rng(1)
     day, minutes = np.arange(300), random.laplace(0.0, 8.0, 300)
