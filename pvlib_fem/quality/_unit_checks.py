@@ -269,7 +269,7 @@ class Signs:
     usual: float  # its median
     hot: float  # 99 % of the rows are below
     strong: float  # wind, 95 % of the rows are below
-    wind: float  # mean wind
+    wind: float  # mean wind; NaN without any
     effect: float  # fall of the over-temperature for each unit of wind [-]
 
 
@@ -308,7 +308,7 @@ def signs_of(inputs: Inputs) -> Signs | None:
         usual,
         hot,
         np.nanpercentile(wind, 95) if np.isfinite(wind).any() else 0.0,
-        np.nanmean(wind) if np.isfinite(wind).any() else 0.0,
+        np.nanmean(wind) if np.isfinite(wind).any() else np.nan,
         -slope_of(np.log(ratio[windy]), wind[sunny][windy]),
     )
 

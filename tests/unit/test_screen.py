@@ -563,6 +563,11 @@ def test_a_frame_need_not_have_all_columns(record):
     assert kinds(found) == [("fan", "fill value", 1)]
 
 
+def test_a_wind_that_nobody_measured_is_not_said_to_be_calm(record):
+    for data in (record.drop(columns="wind_speed"), record.assign(wind_speed=np.nan)):
+        assert fem.screen_record(data).notes == ()
+
+
 def test_limits_are_an_argument(record):
     jump = record["temp_air"].where(np.arange(len(record)) != 200, 60.0)
     data = record.assign(temp_air=jump)
