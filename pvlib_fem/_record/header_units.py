@@ -323,6 +323,11 @@ def converted_column(
         unit, hours = unit.rsplit("/", 1)[0], over_a_span(unit)[2]
     factor, offset = known[unit]
     if unit in AMOUNTS.get(QUANTITIES[name], ()):
+        if not (hours and hours > 0.0):
+            raise ValueError(
+                f"{name} is in {unit} of each step, and a single row has no step; give "
+                f"more rows, or a unit with the time, such as {unit}/10min"
+            )
         factor /= hours
     if name == "p_dc_per_area" and unit in WHOLE:
         if area is None:

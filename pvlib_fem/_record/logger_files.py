@@ -181,6 +181,9 @@ def frame(
     for layout in layouts:
         refuse_unknown(layout.keep, headers)
     data, done = joined_tables(tables, names, columns)
+    # amounts of a step are of that of their own file
+    steps = [usual_step(table.index) for table in tables for _ in table]
+    hours = {column: step / 3600.0 for column, step in zip(data, steps)}
     absent = [column for column in columns.values() if column not in data]
     if absent:
         raise ValueError(
@@ -195,7 +198,7 @@ def frame(
         if name in data:
             refuse_text(data[name], name)
     data, file_units = in_units(
-        data, headers, convert, units or {}, check_units, module_area
+        data, headers, convert, units or {}, check_units, module_area, hours
     )
     done += [f"{n} converted from {u} to {own_unit(n)}" for n, u in file_units.items()]
     data.attrs |= {"notes": notes + done, "converted": file_units}
@@ -433,6 +436,7 @@ def in_units(
     units: Mapping,
     check_units: bool,
     module_area: float | None,
+    hours: dict,
 ) -> tuple[pd.DataFrame, dict]:
     """Columns in the package's units, if that is requested, and their own units."""
     requested = {name: unit_of(name, unit) for name, unit in units.items()}
@@ -452,8 +456,8 @@ def in_units(
         if unit in (None, own):
             continue
         if name in requested or convert:
-            hours = usual_step(data.index) / 3600.0
-            column = converted_column(data[name], name, unit, hours, module_area)
+            given = data[name], name, unit, hours[header], module_area
+            column = converted_column(*given)
             data = data.assign(**{name: column})
             done[name] = unit
         elif check_units:

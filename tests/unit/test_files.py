@@ -298,6 +298,8 @@ def test_amounts_of_rain_and_power_of_a_plant_need_what_they_are_of():
     for unit, size in {"W": 24e3, "kW": 24.0, "MW": 0.024}.items():
         power = converted_column(pd.Series([size]), "p_dc_per_area", unit, area=120.0)
         assert power[0] == pytest.approx(200.0)
+    with pytest.raises(ValueError, match="precipitation is in mm of each step, and a"):
+        converted_column(pd.Series([0.2]), "precipitation", "mm", hours=np.nan)
     with pytest.raises(ValueError, match="area of the modules"):
         converted_column(pd.Series([24.0]), "p_dc_per_area", "kW")
     with pytest.raises(ValueError, match=r"cannot be in 'furlong'; it may be in m/s"):
@@ -442,6 +444,24 @@ def test_a_broken_workbook_ends_with_one_line(broken, tmp_path):
     path.write_bytes(broken)
     result = call("fit", path)
     assert result.exit_code == 1 and len(result.output.splitlines()) == 1
+
+
+@pytest.mark.parametrize("own", ["5min", "10min", "15min"])
+def test_amounts_of_a_step_are_of_the_step_of_their_own_file(own, tmp_path):
+    """600 W/m² and 6 mm/h, of which a step of five minutes has 50 Wh/m² and 0.5 mm."""
+    hours = pd.Timedelta(own) / pd.Timedelta("1h")
+    amounts = {"Sun (Wh/m2)": 600.0 * hours, "Rain (mm)": 6.0 * hours}
+    others = {"temp_air": 20.0, "temp_module": 30.0}
+    paths = []
+    for step, columns in ((own, amounts), ("15min", others)):
+        index = pd.date_range("2024-06-01", "2024-06-03", freq=step, name="time")
+        paths.append(tmp_path / f"{len(paths)}.csv")
+        pd.DataFrame(columns, index).to_csv(paths[-1])
+    names = {"poa_global": "Sun (Wh/m2)", "precipitation": "Rain (mm)"}
+    data = fem.read_file(paths, names, convert_units=True)
+    assert len(data) == 193
+    np.testing.assert_allclose(data["poa_global"], 600.0)
+    np.testing.assert_allclose(data["precipitation"], 6.0)
 
 
 def test_files_of_different_steps_are_joined_in_means_and_states(record, tmp_path):
