@@ -95,6 +95,24 @@ def twin_of(name: Hashable) -> str | None:
     return "poa_global" if match[1] == "poa" else match[1]
 
 
+def is_state(name: str) -> bool:
+    """
+    Whether a column holds at its time, and has no mean that stands for it.
+
+    Parameters
+    ----------
+    name : str
+        Package's name.
+
+    Returns
+    -------
+    bool
+        True of temperatures of modules, and of the angles of a plane.
+    """
+    module = name == COLUMNS[3] or twin_of(name) == COLUMNS[3]
+    return module or name in (*GEOMETRY[2:], ROTATION)
+
+
 def is_other_light(name: Hashable) -> bool:
     """
     Whether a column is a part of the light in the plane, or light on the rear side.

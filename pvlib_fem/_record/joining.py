@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._record.checks import instants, usual_step
-from pvlib_fem._record.column_names import ANGLES
+from pvlib_fem._record.column_names import ANGLES, is_state
 
 LEAST = 0.5  # share of the shorter file's rows that has to find a partner
 
@@ -20,7 +20,7 @@ def joined_tables(
 
     A row gets of another table the row nearest to it, up to half a step away. Of a
     table with steps less than half as long it gets the means over the step that ends
-    there, but ``temp_module`` as it is then, since it is a state and not a flow.
+    there, but of what :func:`is_state` says the value then, since it is no flow.
 
     Parameters
     ----------
@@ -59,11 +59,11 @@ def joined_tables(
     base = int(np.argmax(steps))
     apart = distinct(tables, names)
     whole = apart[base]
-    notes = []
+    notes, own = [], {column: name for name, column in columns.items()}
     for i, table in enumerate(apart):
         if i == base:
             continue
-        states = {columns.get("temp_module", "temp_module")}
+        states = {c for c in table if is_state(str(own.get(c, c)))}
         directions = {columns.get(name, name) for name in ANGLES}
         part = onto(table, whole.index, steps[base], steps[i], states, directions)
         in_both = int(part.notna().any(axis=1).sum())

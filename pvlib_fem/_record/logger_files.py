@@ -62,7 +62,7 @@ def read_file(
         CSV, Excel (``pip install 'pvlib_fem[excel]'``) or Parquet. Several are joined
         on the times of the one with the longest step: a row gets of another file the
         nearest row, and of one with far shorter steps the means over the step that
-        ends there, but ``temp_module`` as it is then.
+        ends there, but module temperatures and angles of the plane as they are then.
     columns : dict, optional
         Package's name to the file's, as ``{"poa_global": "Irr (W/m2)"}``. Other
         columns keep their names.

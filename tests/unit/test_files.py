@@ -483,6 +483,21 @@ def test_files_of_different_steps_are_joined_in_means_and_states(record, tmp_pat
     np.testing.assert_allclose(data["temp_module"], module["temp_module"], rtol=1e-12)
 
 
+def test_second_module_sensors_and_trackers_are_joined_as_they_are_then(tmp_path):
+    """A mean of a tracker's azimuths is of no plane, and one of sensors is late."""
+    index = pd.date_range("2024-06-01", periods=200, freq="1min", name="time")
+    turns = {"surface_azimuth": np.where(index.hour < 2, 90.0, 270.0)}
+    turns |= {"tracker_theta": np.linspace(-50.0, 50.0, len(index))}
+    modules = {"Tmod": np.arange(200.0), "T2": np.arange(200.0)}
+    fine = pd.DataFrame(modules | turns, index)
+    fine.to_csv(tmp_path / "fine.csv")
+    pd.DataFrame({"temp_air": 20.0}, index[5::10]).to_csv(tmp_path / "slow.csv")
+    names = {"temp_module": "Tmod", "temp_module_2": "T2"}
+    data = fem.read_file([tmp_path / "slow.csv", tmp_path / "fine.csv"], names)
+    for name, column in (names | {n: n for n in turns}).items():
+        np.testing.assert_allclose(data[name], fine[column].iloc[5::10])
+
+
 def test_files_that_do_not_meet_are_refused(record, tmp_path):
     one, other = tmp_path / "one.csv", tmp_path / "other.csv"
     record[["poa_global", "temp_air", "wind_speed"]].to_csv(one)
