@@ -9,7 +9,6 @@ from pvlib_fem._loop.design import Design
 from pvlib_fem._loop.selection import Selection
 from pvlib_fem._record.column_names import is_scaled_copy, twin_of
 from pvlib_fem._record.inputs import Record, as_record
-from pvlib_fem._statistics.weekly_sums import coefficients_from
 from pvlib_fem.effects import CHANGES
 from pvlib_fem.effects._time_profiles import day_number
 from pvlib_fem.quality._screen import screened
@@ -205,13 +204,13 @@ def step_of(
         return {}
     (step,) = candidates
     score = selection.score(step, given)
-    both = selection.design.whole(given)
-    before = share + float(coefficients_from(both)[0] / design.scale[1])
     if (
         score.probability < criteria.min_probability
         or score.fall < criteria.min_hint_reduction**2
     ):
         return {}
-    (size,), (error,) = score.estimate / before, score.stderr / before
     at = step.effect.settings["at"]
+    rows = known & (dates < day_number(at))
+    before = float(over[rows] @ others[rows] / (others[rows] @ others[rows]))
+    (size,), (error,) = score.estimate / before, score.stderr / before
     return {"step": at, "change": float(size), "stderr": float(error)}

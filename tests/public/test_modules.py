@@ -51,6 +51,19 @@ def test_a_step_is_of_the_one_that_has_it(plant):
     assert step["change"] == pytest.approx(-0.12, abs=max(4 * step["stderr"], 0.01))
 
 
+@pytest.mark.parametrize(("at", "by"), [("2023-08-20", -0.2), ("2023-08-01", 0.25)])
+def test_a_step_is_relative_to_the_share_before_it(plant, at, by):
+    """Relative to the share of the whole record it would be -0.22 and 0.21."""
+    data, later = plant.copy(), plant.index >= at
+    over = data["temp_module_2"] - data["temp_air"]
+    data["temp_module_2"] += by * later * over
+    found = fem.compare_modules(data).table
+    assert found["step"].to_dict() == {
+        name: at if name == "temp_module_2" else "" for name in found.index
+    }
+    assert found["change"]["temp_module_2"] == pytest.approx(by, abs=0.012)
+
+
 def test_what_a_fit_leaves_is_told_apart(plant):
     """The made over-temperature is common, and the noise of each sensor its own."""
     data, there = plant.copy(), plant.index >= "2023-09-15"
