@@ -69,11 +69,11 @@ def zone_of(
                 "give --tz UTC if they are in UTC, or the zone that they are in"
             )
         return None
-    ahead = noon - 12.0 + longitude / 15.0  # of the clock, before UTC
-    ahead = (ahead + 12.0) % 24.0 - 12.0
-    if abs(ahead - longitude / 15.0) <= OFF:
+    if abs(noon - 12.0) <= OFF:
         return None  # local standard time, which is what is taken without a zone
-    return "UTC" if round(ahead) == 0 else f"Etc/GMT{-round(ahead):+d}"
+    ahead = round(noon - 12.0 + longitude / 15.0)  # of the clock, before UTC
+    ahead += 24 * (ahead < -12) - 24 * (ahead > 14)  # zones end there
+    return "UTC" if ahead == 0 else f"Etc/GMT{-ahead:+d}"
 
 
 def zone_of_offsets(clock: Any, instants: Any) -> str | None:

@@ -546,6 +546,24 @@ def test_a_zone_is_told_by_the_sun_where_noon_is_elsewhere(longitude, zone):
     assert zone_of(naive, longitude, sun, []) == expected
 
 
+@pytest.mark.parametrize(
+    ("clock", "found"),
+    [
+        ("Etc/GMT-12", None),
+        ("Etc/GMT-13", None),
+        ("Etc/GMT-14", "Etc/GMT-14"),
+        ("UTC", "UTC"),
+        ("Etc/GMT+8", "Etc/GMT+8"),
+    ],
+)
+def test_a_clock_west_of_the_date_line_is_not_taken_for_one_east_of_it(clock, found):
+    """In New Zealand, 12 h ahead of UTC, the sun is highest at 12:20."""
+    site = dict(latitude=-37.0, longitude=174.8)
+    data = fem.datasets.synthetic(5, 900, start="2023-02-10", **site).tz_convert(clock)
+    sun = data["poa_global"].to_numpy()
+    assert zone_of(data.index.tz_localize(None), 174.8, sun, []) == found
+
+
 GROUPED = [(",", ".", ","), (";", ",", "."), (";", ",", " "), (",", ".", "'")]
 
 
