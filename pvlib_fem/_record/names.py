@@ -26,9 +26,10 @@ NAMES = {
         r"(irr\w*|g?poa|g)[\s_.-]*(rear|back)(\b|_)|einstr\w*[\s_.-]*rue?ck",
     ),
     "poa_global": (
-        r"poa|gti|gpoa|tilt|inclin|plane|modulebene|(^|_)g[\s_.-]*front",
-        r"irr|einstrahl|insol|^g$|^g_?i$|pyran|global|solar_?rad|strahlung|rayonn|"
-        r"ensoleil|eclairement",
+        r"^(?!.*temp).*(poa|gti|gpoa|tilt|inclin|plane|modulebene|(^|_)g[\s_.-]*front)",
+        # and not the temperature of its sensor
+        r"^(?!.*temp).*(irr|einstrahl|insol|^g$|^g_?i$|pyran|global|solar_?rad|"
+        r"strahlung|rayonn|ensoleil|eclairement)",
     ),
     "temp_module": (
         r"(mod(ul\w*)?|pan(el|neau)|array|back(sheet)?|bom|pv|cell|zell)[\s_.-]*(\d+[\s_.-]*)?"

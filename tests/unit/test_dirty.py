@@ -261,7 +261,11 @@ def test_a_line_of_groups_is_left_out_where_names_are_enough(record, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name", ["module_tilt", "tilt", "temp_dew", "Wind Chill", "wet bulb T", "PV total"]
+    "name",
+    [
+        *("module_tilt", "tilt", "temp_dew", "Wind Chill", "wet bulb T", "PV total"),
+        *("Pyranometer Temp", "Irradiance sensor temperature", "pyrano_body_temp"),
+    ],
 )
 def test_no_name_of_another_quantity_is_proposed(name):
     assert usual_name(name) is None
