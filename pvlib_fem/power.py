@@ -222,12 +222,13 @@ def fit_power(
        (1974), :doi:`10.1080/00401706.1974.10489171`.
     """
     columns = {"poa_global": poa_global, "temp_module": temp_module, "power": power}
+    for name, column in columns.items():
+        if not isinstance(getattr(column, "index", None), pd.DatetimeIndex):
+            raise ValueError(
+                f"expected power has a season, and {name} has no DatetimeIndex; give "
+                "it as a Series with one"
+            )
     inputs = read(columns, purpose="expected power")
-    if not isinstance(inputs.index, pd.DatetimeIndex):
-        raise ValueError(
-            "expected power has a season, and the columns have no DatetimeIndex; give "
-            "them as Series with one"
-        )
     poa, temp, given = (inputs[name] for name in columns)
     return fit_power_arrays(poa, temp, given, days_of(inputs.index))
 
