@@ -14,6 +14,8 @@ from pvlib_fem.detect._daily_clock import GRID, MEMORY, clock_of
 from pvlib_fem.detect._daily_noon import noons
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers._mounts import PLANE
+from pvlib_fem.quality._limits import Limits
+from pvlib_fem.quality._stray_times import refuse_stray
 
 LABELS = ("left", "center", "right")
 FEWEST = 10  # days with light
@@ -100,8 +102,8 @@ def time_shifts(
     TypeError
         If ``light`` is no Series with a DatetimeIndex.
     ValueError
-        If its times are not in order, its values are no numbers, or ``label`` is
-        unknown.
+        If its times are not in order, a few are years from all others, its values are
+        no numbers, or ``label`` is unknown.
 
     Notes
     -----
@@ -140,6 +142,7 @@ def time_shifts(
         raise ValueError("location is None; give a pvlib.location.Location")
     place = checked_place(location, surface_tilt, surface_azimuth, mount)
     index, (values,) = checked_series(light=light)
+    refuse_stray(index, Limits())
     plane = tuple(place[name] for name in PLANE)
     middle = noons(values, index, location, plane, label)
     local = index.tz_localize(None).normalize()

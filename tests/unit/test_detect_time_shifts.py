@@ -146,6 +146,9 @@ def test_what_is_no_series_of_light_is_refused(poa):
         detect.time_shifts(poa, None)
     with pytest.raises(ValueError, match="the index of light is not sorted"):
         detect.time_shifts(poa.iloc[::-1], here)
+    lost = poa[:1].set_axis(pd.DatetimeIndex(["1970-01-01"], tz=poa.index.tz))
+    with pytest.raises(ValueError, match="a logger that lost its clock; drop such"):
+        detect.time_shifts(pd.concat([lost, poa]), here)
     with pytest.raises(ValueError, match="light is empty; give at least one row"):
         detect.time_shifts(poa[:0], here)
 
