@@ -43,7 +43,23 @@ def sun(
     DataFrame
         ``solar_zenith``, without refraction by default, and ``solar_azimuth``, on
         ``index``. [°]
+
+    Raises
+    ------
+    TypeError
+        If ``index`` is no DatetimeIndex.
+    ValueError
+        If it is empty or has no time (NaT) in a row.
     """
+    if not isinstance(index, pd.DatetimeIndex):
+        raise TypeError(
+            f"index is a {type(index).__name__}; give the times as a DatetimeIndex"
+        )
+    if index.empty:
+        raise ValueError("index is empty; give at least one time")
+    if index.hasnans:
+        at = int(np.argmax(index.isna()))
+        raise ValueError(f"index has no time (NaT) at row {at}; drop such rows")
     times = index if index.tz is not None else standard_time(index, location)
     utc = times.tz_convert("UTC")
     grid = pd.date_range(

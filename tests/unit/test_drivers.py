@@ -77,6 +77,16 @@ def test_the_refracted_sun_is_where_pvlib_has_it(latitude):
     assert apart[above].max() < 0.1 and apart.max() < 0.6
 
 
+def test_the_sun_is_at_times_only():
+    index = pd.DatetimeIndex(["2023-06-01 12:00", None])
+    with pytest.raises(ValueError, match=r"index has no time \(NaT\) at row 1; drop"):
+        sun(index, SITE)
+    with pytest.raises(ValueError, match="index is empty; give at least one time"):
+        sun(index[:0], SITE)
+    with pytest.raises(TypeError, match="index is a RangeIndex; give the times as a"):
+        sun(pd.RangeIndex(3), SITE)
+
+
 def test_few_rows_over_many_years_have_a_sun():
     index = pd.DatetimeIndex(["1990-01-01 12:00", "2050-06-01 12:00"], tz="Etc/GMT+7")
     theirs = SITE.get_solarposition(index)["zenith"]
