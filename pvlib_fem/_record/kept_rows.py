@@ -148,7 +148,7 @@ def refuse_unknown(keep: Sequence[str], headers: Iterable[Iterable[str]]) -> Non
 def texts_of(column: pd.Series) -> pd.Series:
     """A column as text, 192.0 as 192."""
     if pd.api.types.is_numeric_dtype(column):
-        return column.map("{:g}".format)
+        return column.map("{:.15g}".format)
     return column.astype(str).str.strip()
 
 

@@ -223,6 +223,13 @@ def test_rows_to_keep_that_are_not_there_are_refused(keep, words, plant, tmp_pat
         fem.read_file(path, keep=keep)
 
 
+def test_rows_of_a_long_code_are_kept_by_all_of_its_digits(tmp_path):
+    lines = ["time,temp_air,Status", "2024-06-01 00:00,1,1073741824"]
+    lines += ["2024-06-01 01:00,2,1073741826", "2024-06-01 02:00,3,0"]
+    (path := tmp_path / "plant.csv").write_text("\n".join(lines))
+    assert [*fem.read_file(path, keep="Status=1073741824")["temp_air"]] == [1]
+
+
 def test_columns_with_times_of_their_own_are_noted(plant, tmp_path):
     """Read at the times of the rows, they would be off by what only the file shows."""
     later = plant.index + pd.to_timedelta(np.arange(len(plant)) % 50, unit="s")
