@@ -351,8 +351,8 @@ def stands_for_none(name: str, column: pd.Series) -> np.ndarray:
 
 def impossible_rows(name: str, column: pd.Series) -> np.ndarray:
     """Rows of values that the column cannot hold."""
-    bounds = possible_range(name)
+    bounds, values = possible_range(name), column.to_numpy(float, na_value=np.nan)
     if bounds is None:  # as of power, which an inverter draws little of by night
-        return (column < 0).to_numpy()
+        return values < 0
     low, high, _ = bounds
-    return ((column < low) | (column > high)).to_numpy()
+    return (values < low) | (values > high)

@@ -241,7 +241,7 @@ def plain_table(file: Any, layout: Any) -> pd.DataFrame:
         refuse_swelling(file)
     if suffix in PARQUET:
         try:
-            return with_flat_labels(pd.read_parquet(file))
+            return without_codes(with_flat_labels(pd.read_parquet(file)))
         except ImportError as error:
             raise ValueError(
                 "reading Parquet needs pyarrow: pip install 'pvlib_fem[parquet]'"
@@ -266,6 +266,12 @@ def plain_table(file: Any, layout: Any) -> pd.DataFrame:
         return data
     signs = layout.thousands, layout.decimal
     return data.assign(**{name: ungrouped(data[name], *signs) for name in marked})
+
+
+def without_codes(data: pd.DataFrame) -> pd.DataFrame:
+    """The table with texts and numbers where a Parquet file has codes for them."""
+    coded = data.select_dtypes("category").astype(object).infer_objects()
+    return data.assign(**{str(name): column for name, column in coded.items()})
 
 
 def refuse_swelling(file: Any) -> None:

@@ -298,6 +298,9 @@ def test_amounts_of_rain_and_power_of_a_plant_need_what_they_are_of():
     for unit, size in {"W": 24e3, "kW": 24.0, "MW": 0.024}.items():
         power = converted_column(pd.Series([size]), "p_dc_per_area", unit, area=120.0)
         assert power[0] == pytest.approx(200.0)
+    gaps = pd.Series([68.0, None], dtype="Int64")
+    warm = converted_column(gaps, "temp_air", "°F")
+    assert warm[0] == pytest.approx(20.0) and pd.isna(warm[1])
     with pytest.raises(ValueError, match="precipitation is in mm of each step, and a"):
         converted_column(pd.Series([0.2]), "precipitation", "mm", hours=np.nan)
     with pytest.raises(ValueError, match="area of the modules"):
@@ -481,6 +484,18 @@ def test_files_of_different_steps_are_joined_in_means_and_states(record, tmp_pat
     fine.drop(columns="temp_module").iloc[::10].to_csv(tmp_path / "slow.csv")
     data = fem.read_file([tmp_path / "slow.csv", tmp_path / "state.csv"])
     np.testing.assert_allclose(data["temp_module"], module["temp_module"], rtol=1e-12)
+
+
+def test_codes_of_a_parquet_file_are_texts_and_numbers(record, tmp_path):
+    """As pandas writes a categorical column."""
+    pytest.importorskip("pyarrow")
+    flags = pd.Categorical(["good"] * len(record))
+    wind = record["wind_speed"].astype("category")
+    twice = pd.concat([record.assign(flags=flags, wind_speed=wind)] * 2)
+    twice.to_parquet(path := tmp_path / "plant.parquet")
+    data = fem.read_file(path)
+    assert len(data) == 2 * len(record) and [*data["flags"]] == 2 * [*flags]
+    np.testing.assert_array_equal(data["wind_speed"], twice["wind_speed"])
 
 
 def test_second_module_sensors_and_trackers_are_joined_as_they_are_then(tmp_path):
