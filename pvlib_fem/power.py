@@ -285,9 +285,13 @@ def fit_power_arrays(
     day = np.asarray(day, dtype=float)
     rows = (poa > BRIGHT) & (power > 0.0) & np.isfinite(temp + power)
     if (there := int(rows.sum())) < FEWEST:
+        below = int(((poa > BRIGHT) & (power < 0.0)).sum())
+        remedy = "give a longer record"
+        if below >= FEWEST:
+            remedy = f"in {below} rows it is negative: turn its sign"
         raise ValueError(
             f"power is there in {there} rows above {BRIGHT:g} W/m², and {FEWEST} are "
-            "needed for the expected power of a plant; give a longer record"
+            f"needed for the expected power of a plant; {remedy}"
         )
     limit = limit_of(power[rows])
     if (below := int((power[rows] < (1.0 - AT_LIMIT) * limit).sum())) < FEWEST:

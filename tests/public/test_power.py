@@ -148,6 +148,8 @@ def test_too_few_rows_are_refused_by_name():
         power[LIGHT[LIGHT > 200.0].index[3:]] = np.nan
         power[LIGHT <= 200.0] = np.nan
         fit_power(LIGHT, MODULE, power)
+    with pytest.raises(ValueError, match=r"in \d+ rows it is negative: turn its sign"):
+        fit_power(LIGHT, MODULE, -plant())
     with pytest.raises(ValueError, match="power has no DatetimeIndex; give it as a"):
         expected_power(LIGHT, MODULE, plant().to_numpy())
     with pytest.raises(ValueError, match="DatetimeIndex"):
