@@ -9,11 +9,30 @@ import numpy as np
 from pvlib_fem._fitting.daily import directions
 from pvlib_fem._fitting.row_source import EvalRequest, Source
 from pvlib_fem._thermal.model import WIND, ThermalModel
-from pvlib_fem.quality._values import resolution
 
 HALF = 0.5  # of an error, from which a note reports what adds to it
+FINER = 0.01  # share of changes that may be finer, such as a filled gap
 COARSE = 0.25  # m/s, step from which coefficients are looked at
 THIRD = 1.0 / 3.0  # of the change by a step twice as wide: 1 of 2² - 1
+
+
+def recorded_step(wind: np.ndarray) -> float:
+    """
+    Step in which a wind speed is recorded: its least change, a few left out.
+
+    Parameters
+    ----------
+    wind : array, shape (rows,)
+        [m/s]
+
+    Returns
+    -------
+    float
+        0 if the wind never changes. [m/s]
+    """
+    change = np.abs(np.diff(wind))
+    change = change[change > 1e-9]
+    return float(np.quantile(change, FINER, method="lower")) if len(change) else 0.0
 
 
 def rounding_errors(
@@ -45,7 +64,7 @@ def rounding_errors(
         Size of the shift of each of the names, in its unit; empty if the step is below
         0.25 m/s or nothing depends on wind.
     """
-    step = resolution(source.some_wind)
+    step = recorded_step(source.some_wind)
     if WIND not in model.usual or step < COARSE or not names:
         return step, {}
     request = {"": EvalRequest(model, coefficients)}

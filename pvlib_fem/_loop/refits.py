@@ -10,7 +10,7 @@ import numpy as np
 from pvlib_fem import scores
 from pvlib_fem._fitting.daily import DailySums, standard_errors
 from pvlib_fem._fitting.fit_stages import minimise
-from pvlib_fem._fitting.rounded_wind import COARSE, with_rounding
+from pvlib_fem._fitting.rounded_wind import COARSE, recorded_step, with_rounding
 from pvlib_fem._fitting.row_source import Rows, daily_sums
 from pvlib_fem._fitting.search import (
     checked_fixed,
@@ -27,7 +27,6 @@ from pvlib_fem._thermal.model import MEMORY, WIND, ThermalModel
 from pvlib_fem._thermal.steady_models import SteadyModel
 from pvlib_fem.drivers import MODELLED, derive_drivers, is_modelled, underived
 from pvlib_fem.effects._effect import Effect, LinearisedEffect
-from pvlib_fem.quality._values import resolution
 
 ROUGH, CLOSE = 1e-7, 1e-3  # relative fall of the cost that ends a coarse, a full fit
 FROZEN: Mapping[str, float] = MappingProxyType({})
@@ -173,7 +172,7 @@ class Fits:
     def errors(self, step: Step, daily: DailySums, notes: list) -> dict:
         """Standard errors of a step's coefficients, by its daily sums."""
         stderr = standard_errors(step.model, daily, step.at_bound, notes)
-        if resolution(self.case.whole[WIND]) < COARSE:
+        if recorded_step(self.case.whole[WIND]) < COARSE:
             return stderr
         rows, model = self.rows(step, self.case.whole, self.case.fitting)
         return with_rounding(rows, model, step.coefficients, stderr, notes)

@@ -44,6 +44,15 @@ def test_fine_steps_change_no_error(step):
     assert not any("recorded in steps" in note for note in fit.notes)
 
 
+def test_a_few_finer_values_hide_no_step():
+    data = rounded(datasets.synthetic(20, 600, seed=2), 1.0)
+    plain = fem.fit_fem(data, **HOW)
+    data.iloc[100, data.columns.get_loc("wind_speed")] += 0.3
+    filled = fem.fit_fem(data, **HOW)
+    assert any(note.startswith(NOTE) for note in filled.notes)
+    assert filled.stderr == pytest.approx(plain.stderr, rel=0.02)
+
+
 def test_a_model_without_wind_has_no_error_of_it():
     data = rounded(datasets.synthetic(20, 600, seed=2), 1.0)
     fit = fem.fit_fem(data, model="ross")
