@@ -114,8 +114,8 @@ def periods(dates: np.ndarray, freq: str, zone: Any) -> Any:
         length = first + offset - first
     except (ValueError, TypeError) as error:
         raise ValueError(
-            f"freq = {freq!r} is no period of pandas ({error}); take 'MS' for months, "
-            "'QS' for quarters, 'W-MON' for weeks or '14D'"
+            f"freq = {freq!r} is no period of pandas; take 'MS' for months, 'QS' for "
+            "quarters, 'W-MON' for weeks or '14D'"
         ) from error
     if length % DAY or length < DAY:
         raise ValueError(
