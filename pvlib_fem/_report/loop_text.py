@@ -81,7 +81,8 @@ def lines(loop: "Loop") -> Iterator[str]:
     yield (
         f"pvlib_fem: the loop on {record_length(record)} · "
         f"{record.rows:,} rows "
-        f"· {fit.test_days} test days · {fit.model}, {fit.dynamics}"
+        f"· {fit.test_days} test day{'s' * (fit.test_days != 1)} "
+        f"· {fit.model}, {fit.dynamics}"
     )
     for head, words in (*clock_lines(loop), *error_rows(loop), *remaining(loop)):
         yield from folded_line(head, words)

@@ -69,8 +69,8 @@ def replacements_line(loop: "Loop") -> str:
 
 def error_days(loop: "Loop") -> tuple[str, str]:
     """The days that the errors are of, and the ending of their columns."""
-    if loop.fit.test_days:
-        return f"{loop.fit.test_days} test days", "test"
+    if days := loop.fit.test_days:
+        return f"{days} test day{'s' * (days > 1)}", "test"
     return "the fitted days (there are no test days)", "train"
 
 

@@ -344,6 +344,12 @@ def test_the_call_of_a_fit_makes_it_again(how):
     assert names["fit"].coefficients == fit.coefficients
 
 
+def test_one_test_day_is_one_day():
+    loop = close_loop(simulator.record(days=2, step=900, start="2023-06-01"))
+    assert loop.fit.test_days == 1
+    assert "on 1 test day: " in str(loop) and "1 test day ·" in loop.report()
+
+
 def test_the_call_of_a_loop_has_the_altitude_that_was_given(closed):
     """Clear skies are of it; that of pvlib's map is another."""
     high = Location(49.4, 8.7, "Etc/GMT-1", altitude=1500)
