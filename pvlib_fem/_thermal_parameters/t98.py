@@ -156,16 +156,17 @@ def t98_of_weather(steady: Any, weather: pd.DataFrame) -> dict[str, Any]:
         return np.array([temperature(coefficients).quantile(SHARE)])
 
     known = temperature(fit.coefficients)
+    # months of a typical year may be of different years
+    days = pd.DatetimeIndex(weather.index).normalize().nunique()
     step = usual_step(weather.index)
-    span = (weather.index[-1] - weather.index[0]).total_seconds() + step
-    share, days = np.nan_to_num(len(known) * step / span), span / 86400.0
+    share = np.nan_to_num(len(known) * step / (days * 86400.0))
     if share < WHOLE:
         words = "the weather that was given has what the fit needs"
         return dict(value=np.nan, note=GAPS.format(words, 100 * share))
     (value,), (error,) = hottest(fit.coefficients), steady.error(hottest)
     note = f"by the fit, of the weather that was given; {module_class_note(value)}"
     if days < WHOLE * YEAR:
-        note = f"of {days:.0f} days and not of a year; {note}"
+        note = f"of {days} days and not of a year; {note}"
     if not np.isfinite(error):
         note = joined_notes(note, NO_ERROR)
     return dict(value=value, stderr=error, freedom=fit.train_days - 1.0, note=note)

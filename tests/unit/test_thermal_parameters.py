@@ -457,6 +457,21 @@ def test_weather_without_nights_has_no_t98(nights):
     assert np.isnan(row["value"]) and "nights included" in row["note"]
 
 
+def test_months_of_a_typical_year_may_be_of_different_years():
+    year = datasets.synthetic(365, 3600, start="2022-01-01", seed=5)
+    fit = fem.fit_fem(year, model="faiman", dynamics="steady")
+    months = [part for _, part in year.groupby(year.index.month)]
+    for number, part in enumerate(months):
+        part.index += pd.DateOffset(years=3 * (number % 4))
+    mixed = pd.concat(months).sort_index()
+    where = ("T98", "of a typical year")
+    found, mixed = (
+        fit.thermal_parameters(typical_year=one).loc[where] for one in (year, mixed)
+    )
+    assert mixed["value"] == pytest.approx(found["value"], abs=0.01)
+    assert mixed["note"] == found["note"]
+
+
 def test_the_mean_of_effects_is_added_with_the_record(plant, tmp_path):
     """A sky that cools: the parameters follow the temperatures of a plain fit."""
     names = [*DRIVERS, "temp_module", "longwave_down"]
