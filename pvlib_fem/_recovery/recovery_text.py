@@ -67,7 +67,7 @@ def by_effect(recovery: Any, table: pd.DataFrame) -> Iterator:
         row = (
             str(name),
             str(len(part)),
-            f"{part['predicted'].median():.3g} {unit}".strip(" -"),
+            share_text(part["predicted"].median(), f"{{:.3g}} {unit}").strip(" -"),
             half_found(half.loc[name]) if name in half.index else "–",
             count_text(clear["found"]),
             count_text(clear["first"]),

@@ -298,3 +298,11 @@ def test_the_legend_of_many_effects_covers_no_line(recovery):
     assert legend.x0 >= 0.0 and legend.x1 <= axes.figure.bbox.x1
     assert legend.y0 >= 0.0
     axes.figure.clear()
+
+
+def test_a_size_that_none_predicted_is_a_dash(recovery):
+    """Sizes may be given where no possible size should be found."""
+    one = recovery.outcomes[0]
+    unknown = replace(one, injection=replace(one.injection, predicted=np.nan))
+    text = str(replace(recovery, outcomes=(unknown,)))
+    assert "nan" not in text.lower() and "0 of 0" in text
