@@ -83,8 +83,9 @@ class Shared:
         before = self.systems.get(finding.id, finding.gain)
         self.systems[finding.id] = max(finding.gain, before)
         if finding.first is not None and self.first is not None:
-            self.first = min(finding.first, self.first)
-            self.last = max(finding.last, self.last)
+            # one cause has one date, which is in the interval of each
+            self.first = max(finding.first, self.first)
+            self.last = min(finding.last, self.last)
 
     def may_be(self, finding: SystemFinding) -> bool:
         """Whether a finding of another group may still have this cause."""
@@ -163,9 +164,9 @@ def shared_causes(systems: pd.DataFrame, findings: pd.DataFrame) -> list[Shared]
     Causes of each site that has more systems than one.
 
     Findings have one cause if they share a candidate and, if they have dates, their
-    intervals overlap. A system counts as without it only if its record would show an
-    equal gain, and if it has no finding that may have this cause: at that time, or of
-    one of its sensor faults and without a date.
+    intervals have a day in common. A system counts as without it only if its record
+    would show an equal gain, and if it has no finding that may have this cause: at that
+    time, or of one of its sensor faults and without a date.
 
     Parameters
     ----------
@@ -198,9 +199,9 @@ def shared_causes(systems: pd.DataFrame, findings: pd.DataFrame) -> list[Shared]
 
 
 def grouped_by_cause(site: str, findings: Sequence[SystemFinding]) -> list[Shared]:
-    """Findings of a site, grouped by cause."""
+    """Findings of a site, grouped by cause; the largest gain begins a group."""
     groups: list[Shared] = []
-    for one in findings:
+    for one in sorted(findings, key=lambda one: (-one.gain, one.first or "", one.last)):
         same = [group for group in groups if group.fits(one)]
         if not same:
             same = [Shared(site, one.candidates, first=one.first, last=one.last)]

@@ -1,6 +1,7 @@
 """Many systems: the same on any engine, and nothing is lost when something ends."""
 
 import errno
+import itertools
 import json
 import os
 import re
@@ -474,6 +475,19 @@ def test_what_all_have_at_one_time_is_the_stations_and_what_one_has_its_modules(
     assert "suspect the station" in station.words
     assert module.alone and module.likely == ["module_sensor_contact_step"]
     assert [*module.systems] == ["b"] and module.first == MAY[0]
+
+
+@pytest.mark.parametrize("names", [*itertools.permutations("abc")])
+def test_dates_that_no_day_has_in_common_are_not_one_cause(names):
+    """Whatever the names of the systems: those of the largest gain come first."""
+    spans = [("03-01", "03-10"), ("03-08", "03-20"), ("03-18", "03-30")]
+    dates = [tuple(f"2023-{day}" for day in span) for span in spans]
+    found = zip(names, (0.5, 0.4, 0.3), dates)
+    systems, findings = rows_of(*((n, LOSES, gain, d) for n, gain, d in found))
+    groups = shared_causes(systems.assign(weighed=SEES), findings)
+    one, other = sorted(groups, key=lambda group: -len(group.systems))
+    assert {*one.systems} == {*names[:2]} and {*other.systems} == {names[2]}
+    assert (one.first, one.last) == ("2023-03-08", "2023-03-10")
 
 
 def test_a_system_that_would_not_show_it_is_not_asked():
