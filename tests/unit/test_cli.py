@@ -637,7 +637,9 @@ def test_a_corrected_file_has_the_names_of_its_own_and_is_read_again(fading, tmp
     given["T air"] = (1.8 * given["T air"] + 32.0).round(3)
     given.to_csv(path, sep=";")
     own = ("--sep", ";", "--convert", "--unit", "temp_air=°F", "--tz", "Etc/GMT-1")
-    found = call("loop", path, *maps, *own, "--corrected", out)
+    # power cannot tell the sensor from light on the modules
+    cause = "--resolve", "irradiance_sensor_step"
+    found = call("loop", path, *maps, *own, *cause, "--corrected", out)
     assert found.exit_code == 0, found.output
     assert "poa_global: the irradiance sensor reads less from 2023-09-" in found.output
     assert f"wrote {out}" in found.output
