@@ -313,7 +313,7 @@ def refuse_cell(coefficients: Mapping[str, float]) -> None:
         raise ValueError(
             f"{found[0]} is no coefficient of the model: it leads from the back of the "
             f"module to its cells; give it as {found[0]}={coefficients[found[0]]} "
-            "beside coefficients"
+            "in addition to coefficients"
         )
 
 

@@ -54,7 +54,7 @@ def rounding_errors(
     coefficients : dict
         Of all its parameters, at the minimum.
     names : list of str
-        Those that vary.
+        Coefficients that vary.
 
     Returns
     -------

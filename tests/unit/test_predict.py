@@ -90,7 +90,7 @@ def test_a_steady_model_takes_no_time_constant(month):
             "sapm",
             "ewm",
             {"a": -3.47, "b": -0.0594, "deltaT": 3.0},
-            "give it as deltaT=3.0 beside coefficients",
+            "give it as deltaT=3.0 in addition to coefficients",
         ),
         (
             "faiman",
