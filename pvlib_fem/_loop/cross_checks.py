@@ -38,7 +38,8 @@ def log_likelihoods(
     The deviation of a reference along the time profile of the best dated member is
     compared with the deviation that each member predicts. A cause that is in no
     instrument predicts none. An effect by a power predicts any that this power may
-    show, and so does a cause outside that looks like it. Time profiles of one
+    show, an effect on the light without a time profile any of what compares light, and
+    so does a cause outside that looks like it. Time profiles of one
     instrument are compared by the residual of the reference given each.
 
     Parameters
@@ -76,9 +77,9 @@ def log_likelihoods(
             for name, value in expected.items()
         }
         for name, likely in likelihoods.items():
-            # an imitation of an effect by this power shows in it, too
+            # what looks like the best effect shows in a reference as that does
             member = choice.top if name == OUTSIDE else choice.members[name]
-            if member.effect.settings.get("source") == one.column:
+            if one.follows(member.effect):
                 likely = anything
             logs[name] += float(np.log((1.0 - ODD) * likely + ODD * anything))
     return logs

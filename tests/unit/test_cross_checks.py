@@ -73,27 +73,37 @@ def test_a_second_sensor_names_the_light_on_the_modules(half_a_year):  # noqa: F
     assert loop.corrected(data).data["poa_global"].equals(data["poa_global"])
 
 
-@pytest.mark.parametrize("elsewhere", [False, True])
-def test_power_decides_between_a_season_and_a_sensor_that_fades(elsewhere):
-    """Whichever explains more of the temperature, unless the sensor is explained."""
+def season_or_drift(other, taken=()):
+    """What power says of a sensor that fades, and of an effect without a date."""
     days = np.arange(19000, 19365)
     noise = np.random.default_rng(3).normal(0.0, 0.02, len(days))
     apart = np.log1p(0.12 * (days - days[0]) / 365.25) + noise
     (power,) = (one for one in COMPARISONS if one.ages)
     reference = DailyDeviation(power, "power_dc", days, apart, lambda effect, size: 0.0)
-    season, drift = EFFECTS["season"], EFFECTS["irradiance_sensor_drift"]
-    members = {one.name: Candidate(one, (1,), 0.0) for one in (season, drift)}
+    other, drift = EFFECTS[other], EFFECTS["irradiance_sensor_drift"]
+    members = {one.name: Candidate(one, (1,), 0.0) for one in (other, drift)}
     choice = Choice(
-        members["season"],
+        members[other.name],
         SimpleNamespace(),
         members,
         {drift.name: SimpleNamespace(estimate=np.array([0.12]))},
-        {"season": 0.9, drift.name: 0.1},
-        taken=frozenset({drift.name}) if elsewhere else frozenset(),
+        {other.name: 0.9, drift.name: 0.1},
+        taken=frozenset(taken),
     )
     logs = log_likelihoods([reference], choice, {})
-    assert (logs[drift.name] > logs["season"] + 2.5) == (not elsewhere)
-    assert logs["season"] == logs["outside"]
+    assert logs[other.name] == logs["outside"]
+    return logs[drift.name] - logs[other.name]
+
+
+def test_power_decides_between_a_season_and_a_sensor_that_fades():
+    """Whichever explains more of the temperature, unless the sensor is explained."""
+    assert season_or_drift("season") > 2.5
+    assert season_or_drift("season", ["irradiance_sensor_drift"]) == 0.0
+
+
+def test_light_of_soiling_may_show_in_power_as_a_sensor_does():
+    """It speaks for the sensor, whose size it shows, and excludes no soiling."""
+    assert 0.0 < season_or_drift("soiling") < 0.8 * season_or_drift("season")
 
 
 def test_power_speaks_for_the_irradiance_sensor_where_the_mounting_changed(
