@@ -141,17 +141,16 @@ def of_wind(change: np.ndarray, coefficients: Mapping[str, float]) -> np.ndarray
         return np.log1p(change / coefficients.get("u1", np.inf))
 
 
-LIGHT: dict[str, Shows] = {"irradiance_sensor": lambda change, _: np.log1p(change)}
+LIGHT: dict[str, Shows] = {
+    "irradiance_sensor": lambda change, _: np.log1p(change),
+    # of the sensor; that of the modules is negative
+    "soiling": lambda change, _: np.log1p(np.maximum(change, 0.0)),
+}
 #: light that the modules have, and no sensor
-OWN_LIGHT: dict[str, Shows] = {"module_irradiance": lambda change, _: np.log1p(change)}
-#: effects without a time profile by which sensor and modules receive other light; what
-#: compares light follows them by a size of its own
-ANY_LIGHT = frozenset(
-    {
-        *("soiling", "shading", "snow", "sensor_covered"),
-        *("poa_misalignment", "incidence_angle", "rear_irradiance"),
-    }
-)
+OWN_LIGHT: dict[str, Shows] = {
+    "module_irradiance": lambda change, _: np.log1p(change),
+    "soiling": lambda change, _: np.log1p(change),
+}
 #: modules in another plane than the sensor, whose own light is as it should be
 STUCK: dict[str, Shows] = {"tracker_stuck": lambda change, _: np.log1p(change)}
 WIND: dict[str, Shows] = {"anemometer": of_wind}

@@ -38,8 +38,7 @@ def log_likelihoods(
     The deviation of a reference along the time profile of the best dated member is
     compared with the deviation that each member predicts. A cause that is in no
     instrument predicts none. An effect by a power predicts any that this power may
-    show, an effect on the light without a time profile any of what compares light, and
-    so does a cause outside that looks like it. Time profiles of one
+    show, and so does a cause outside that looks like it. Time profiles of one
     instrument are compared by the residual of the reference given each.
 
     Parameters
@@ -63,7 +62,8 @@ def log_likelihoods(
         shown = one.shown(choice, first, names, coefficients)
         if shown is None:
             continue
-        for name, worse in one.profiles([choice.members[n].effect for n in names]):
+        dated = [n for n in names if is_dated(choice.members[n].effect)]
+        for name, worse in one.profiles([choice.members[n].effect for n in dated]):
             logs[name] += worse
         size, error, expected, aged = shown
         expected = dict.fromkeys(logs, 0.0) | expected
@@ -77,9 +77,9 @@ def log_likelihoods(
             for name, value in expected.items()
         }
         for name, likely in likelihoods.items():
-            # what looks like the best effect shows in a reference as that does
+            # an imitation of an effect by this power shows in it, too
             member = choice.top if name == OUTSIDE else choice.members[name]
-            if one.follows(member.effect):
+            if member.effect.settings.get("source") == one.column:
                 likely = anything
             logs[name] += float(np.log((1.0 - ODD) * likely + ODD * anything))
     return logs

@@ -9,9 +9,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from pvlib_fem._loop.comparisons import (
-    ANY_LIGHT,
     COMPARISONS,
-    LIGHT,
     SKY,
     USUAL_WIND,
     ComparedRecord,
@@ -115,12 +113,6 @@ class DailyDeviation:
         """Members of a choice of which it would show something."""
         members = choice.members.items()
         return [n for n, m in members if kind(m.effect) in self.comparison.shows]
-
-    def follows(self, effect: Effect) -> bool:
-        """Whether an effect moves it by a size that is not known."""
-        if effect.settings.get("source") == self.column:
-            return True
-        return effect.name in ANY_LIGHT and LIGHT.keys() <= self.comparison.shows.keys()
 
     def shown(
         self,
