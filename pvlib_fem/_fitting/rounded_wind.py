@@ -9,6 +9,7 @@ import numpy as np
 from pvlib_fem._fitting.daily import directions
 from pvlib_fem._fitting.row_source import EvalRequest, Source
 from pvlib_fem._thermal.model import WIND, ThermalModel
+from pvlib_fem.quality._values import changes
 
 HALF = 0.5  # of an error, from which a note reports what adds to it
 FINER = 0.01  # share of changes that may be finer, such as a filled gap
@@ -30,8 +31,7 @@ def recorded_step(wind: np.ndarray) -> float:
     float
         0 if the wind never changes. [m/s]
     """
-    change = np.abs(np.diff(wind))
-    change = change[change > 1e-9]
+    change = changes(wind)
     return float(np.quantile(change, FINER, method="lower")) if len(change) else 0.0
 
 

@@ -5,6 +5,24 @@ import numpy as np
 FEW = 1000  # rows, which identify most columns
 
 
+def changes(values: np.ndarray) -> np.ndarray:
+    """
+    Sizes of the changes of a column from row to row, where it changes.
+
+    Parameters
+    ----------
+    values : numpy.ndarray, shape (rows,)
+        Changes next to a NaN do not count.
+
+    Returns
+    -------
+    numpy.ndarray
+        In the unit of the column.
+    """
+    change = np.abs(np.diff(values))
+    return change[change > 1e-9]
+
+
 def resolution(values: np.ndarray) -> float:
     """
     Smallest change of a column.
@@ -19,8 +37,7 @@ def resolution(values: np.ndarray) -> float:
     float
         In the unit of the column; 0 if it never changes.
     """
-    change = np.abs(np.diff(values))
-    change = change[change > 1e-9]
+    change = changes(values)
     return float(change.min()) if len(change) else 0.0
 
 
