@@ -477,24 +477,21 @@ class Selection:
         """A choice with its rivals, by how much of its part each explains."""
         top = choice.top
         given = self.given(others)
-        members: dict[str, Candidate] = {}
-        parts: dict[str, Score] = {}
+        searched = {top.name: top}
         # a change that is in the model may be the cause of other days, too
         tops = (other.top for other in others)
         taken = frozenset(one.name for one in self.with_same_law(tops))
-        for one in self.with_same_law([top]):
-            members[one.name], parts[one.name] = one, self.score(one, given)
         rivals = [one for one in self.candidates(given) if one.beyond(given)]
         for one, fall in zip(rivals, self.in_sample(rivals, given)):
-            if one.name in members or fall < OVERLAP * choice.fall:
+            if one.name in searched or fall < OVERLAP * choice.fall:
                 continue
             if self.alike(top, one, given) < OVERLAP:
                 continue
             score = self.score(one, given)
             if score.possible and score.probability >= DOUBT:
-                for rival in self.with_same_law([one]):
-                    members[rival.name] = rival
-                    parts[rival.name] = self.score(rival, given)
+                searched[one.name] = one
+        members = {one.name: one for one in self.with_same_law(searched.values())}
+        parts = {name: self.score(one, given) for name, one in members.items()}
         sure = choice.score.z_score
         weights = self.posterior(members, given, top, min(sure, 1.0 / PROFILE_ERROR))
         choice = replace(
