@@ -182,8 +182,8 @@ def frame(
         refuse_unknown(layout.keep, headers)
     data, done = joined_tables(tables, names, columns)
     # amounts of a step are of that of their own file
-    steps = [usual_step(table.index) for table in tables for _ in table]
-    hours = {column: step / 3600.0 for column, step in zip(data, steps)}
+    spans = [(usual_step(table.index) / 3600.0, table) for table in tables]
+    hours = dict(zip(data, (span for span, table in spans for _ in table)))
     absent = [column for column in columns.values() if column not in data]
     if absent:
         raise ValueError(
