@@ -163,7 +163,7 @@ def t98_of_weather(steady: Any, weather: pd.DataFrame) -> dict[str, Any]:
     if share < WHOLE:
         words = "the weather that was given has what the fit needs"
         return dict(value=np.nan, note=GAPS.format(words, 100 * share))
-    (value,), (error,) = hottest(fit.coefficients), steady.error(hottest)
+    value, (error,) = float(known.quantile(SHARE)), steady.error(hottest)
     note = f"by the fit, of the weather that was given; {module_class_note(value)}"
     if days < WHOLE * YEAR:
         note = f"of {days} days and not of a year; {note}"
