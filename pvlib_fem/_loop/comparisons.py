@@ -141,18 +141,20 @@ def of_wind(change: np.ndarray, coefficients: Mapping[str, float]) -> np.ndarray
         return np.log1p(change / coefficients.get("u1", np.inf))
 
 
+def of_light(change: np.ndarray, coefficients: Mapping[str, float]) -> np.ndarray:
+    """What more light on the modules, than the sensor reads, makes a log ratio."""
+    return np.log1p(change)
+
+
 LIGHT: dict[str, Shows] = {
-    "irradiance_sensor": lambda change, _: np.log1p(change),
+    "irradiance_sensor": of_light,
     # of the sensor; that of the modules is negative
-    "soiling": lambda change, _: np.log1p(np.maximum(change, 0.0)),
+    "soiling": lambda change, own: of_light(np.maximum(change, 0.0), own),
 }
 #: light that the modules have, and no sensor
-OWN_LIGHT: dict[str, Shows] = {
-    "module_irradiance": lambda change, _: np.log1p(change),
-    "soiling": lambda change, _: np.log1p(change),
-}
+OWN_LIGHT: dict[str, Shows] = {"module_irradiance": of_light, "soiling": of_light}
 #: modules in another plane than the sensor, whose own light is as it should be
-STUCK: dict[str, Shows] = {"tracker_stuck": lambda change, _: np.log1p(change)}
+STUCK: dict[str, Shows] = {"tracker_stuck": of_light}
 WIND: dict[str, Shows] = {"anemometer": of_wind}
 AIR: dict[str, Shows] = {"air_offset": lambda change, _: change}
 SHELTER: dict[str, Shows] = {"air_sensor_shield": lambda change, _: -change}

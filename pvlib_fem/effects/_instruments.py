@@ -177,11 +177,14 @@ STATION = (
 #: sensor faults whose constant part no coefficient of a steady model can absorb
 OF_NO_COEFFICIENT = ("anemometer_stall", "air_sensor_shield")
 
+#: bounds of both faults that have the terms of more light: one of them is searched for
+MORE_LIGHT = Parameter(0.0, -0.5, 1.0, "-")
+
 SENSOR_FAULTS = (
     Effect(
         "irradiance_sensor",
         irradiance_sensor,
-        {"change": Parameter(0.0, -0.5, 1.0, "-")},
+        {"change": MORE_LIGHT},
         decided_by="a recalibration of the irradiance sensor, or a comparison with "
         "power and a clear sky",
         confused_with=(
@@ -196,7 +199,7 @@ SENSOR_FAULTS = (
     Effect(
         "module_irradiance",
         irradiance_sensor,
-        {"change": Parameter(0.0, -0.5, 1.0, "-")},
+        {"change": MORE_LIGHT},
         decided_by="a look at the modules and the ground, or a comparison of the "
         "irradiance sensor with a clear sky or a second sensor",
         confused_with=(
