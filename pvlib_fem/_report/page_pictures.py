@@ -133,7 +133,7 @@ def pictures_of_fit(fit: "FemFit") -> list[tuple[str, str]]:
     which = "held-out" if fit.test_days else "fitted"
     words = f"The most variable of the {which} days, {Span(fit).date}"
     return [
-        # two panels, so that the words beside each have room
+        # two panels, whose axis titles need room
         draw("day", lambda ax: plotting.plot_fit(fit, ax), words, size=(4.2, 4.0)),
         *by_month(fit),
         *on_one_scale("map", remaining, *MAP),
