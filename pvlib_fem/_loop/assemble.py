@@ -10,7 +10,7 @@ from pvlib_fem import scores
 from pvlib_fem._budget.error_budget import budget_of, episodes_of
 from pvlib_fem._findings import PREDICTED, Finding
 from pvlib_fem._fitting.least_squares_fit import fit_result
-from pvlib_fem._loop.conclude import hints, in_the_model, not_seen, pattern_findings
+from pvlib_fem._loop.conclude import in_the_model, not_seen, pattern_findings
 from pvlib_fem._loop.divided_record import BASES, FEWEST_FITTING_DAYS, Case
 from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.power_events import events_of
@@ -147,8 +147,8 @@ def rank_remaining(
     names = [*taken, *this.names]
     rows, failed = ranked(selection, this.evidence, given, case.days, names)
     floor = selection.least
-    seen = [*hints(case, rows, findings, floor)]
-    shown = [*findings, *seen, *pattern_findings(tables, floor)]
+    found = [*search.hints(this)]
+    shown = [*findings, *(f for f, _ in found), *pattern_findings(tables, floor)]
     whole = search.start.error(case.fitting)
     unseen = dict(not_seen(case, rows, failed, shown, whole))
     table = table_of(
@@ -156,7 +156,7 @@ def rank_remaining(
         | {name: row.content() for name, row in rows.items()}
     )
     table = table.sort_values("gain", ascending=False, kind="stable")
-    return Ranking(table), shown, unseen, [rows[f.effect].effect for f in seen]
+    return Ranking(table), shown, unseen, [effect for _, effect in found]
 
 
 def error_table(case: Case, steps: Mapping[str, Step]) -> pd.DataFrame:

@@ -1,7 +1,8 @@
 """Close the loop: from the residual to the missing effects, and their gain."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, cast
 
 import numpy as np
@@ -14,7 +15,7 @@ from pvlib_fem._fitting.parquet_fit import given_days, in_files
 from pvlib_fem._fitting.stand_ins import stand_in_names
 from pvlib_fem._former_names import arguments_in_new_names, keys_in_new_names
 from pvlib_fem._loop.assemble import loop_of_search
-from pvlib_fem._loop.conclude import check_of_bounds, finding_of
+from pvlib_fem._loop.conclude import check_of_bounds, finding_of, hint_of
 from pvlib_fem._loop.correct_clock import module_clock
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
@@ -29,10 +30,10 @@ from pvlib_fem._loop.parquet_loop import OwnSteps, in_means
 from pvlib_fem._loop.planes import with_given
 from pvlib_fem._loop.prepare import is_before_the_sun, prepared_case
 from pvlib_fem._loop.progress import stage_reporter
-from pvlib_fem._loop.references import daily_deviations
+from pvlib_fem._loop.references import DailyDeviation, daily_deviations
 from pvlib_fem._loop.refits import Fits, Step
 from pvlib_fem._loop.replacements import NOTHING, Replacements
-from pvlib_fem._loop.selection import Choice, Selection, selected
+from pvlib_fem._loop.selection import MOST, Choice, Selection, selected
 from pvlib_fem._loop.standstill_edges import by_power, edge_weeks
 from pvlib_fem._loop.tangents import Evidence
 from pvlib_fem._loop.threads import one_blas_thread
@@ -306,6 +307,7 @@ class Round:
     evidence: Evidence
     selection: Selection
     choices: tuple[Choice, ...]
+    coefficients: Mapping[str, float]  # of the linearised model
 
     @property
     def names(self) -> list[str]:
@@ -433,7 +435,7 @@ class Search:
             seen.add(this.chosen)
             step, begin = fit, this.choices
         self.last = this
-        return self.with_findings(plain, this, step.coefficients)
+        return self.with_findings(plain, this)
 
     def round(self, step: Step, begin: Sequence[Choice]) -> Round:
         """
@@ -461,7 +463,7 @@ class Search:
         selection, choices = selected(design, case.criteria, closed, begin)
         # the design has the hourly means of its columns, which are large
         evidence = replace(evidence, columns={})
-        return Round(evidence, selection, tuple(choices))
+        return Round(evidence, selection, tuple(choices), step.coefficients)
 
     def leave_out_leaks(self, base: Step) -> None:
         """Drop columns of the user's own that hold the answer."""
@@ -489,33 +491,21 @@ class Search:
         fit = self.fits.fitted(model, plain, start, whole=False)
         return replace(fit, model=model.rebased(fit.coefficients))
 
-    def with_findings(
-        self, plain: Step, this: Round, coefficients: Mapping[str, float]
-    ) -> Step:
+    def with_findings(self, plain: Step, this: Round) -> Step:
         """The last step, with the findings that are in it one after the other."""
-        selection, case = this.selection, self.case
+        selection = this.selection
         self.findings, self.choices = [], {}
         self.refused = [f for f in self.refused if f.effect in self.closed]
-        references = daily_deviations(case) if this.choices else []
         chosen = [one for one in this.choices if one.top.name not in self.closed]
         step = plain
         reported: list[Choice] = []
         while chosen:
             others = [*reported, *chosen[1:]]
-            given = selection.given(others)
-            one = selection.weighed(chosen[0], others)
-            logs = log_likelihoods(references, one, coefficients)
-            one = with_outside(selection.design, one, given, case.criteria, logs)
+            one, effect, finding = self.described(this, chosen[0], others)
             reported.append(one.as_first)
             chosen = chosen[1:]
             if one.first != one.top.name:
                 chosen = selection.kept_beside(chosen, reported)
-            effect = selection.dated(one, one.first, given)
-            if effect.turns:
-                size = float(one.scores[one.first].estimate[0])
-                effect = by_power(case, effect, size)
-            checks = cross_checks(references, one, effect, coefficients)
-            finding = finding_of(one, effect, case, selection.least, checks)
             self.choices[finding.effect] = one
             self.effects[finding.effect] = effect
             if not finding.added:
@@ -533,6 +523,47 @@ class Search:
             step = self.on_own_steps(step)
             self.steps[f"+{self.findings[-1].effect}"] = step
         return step
+
+    @cached_property
+    def references(self) -> list[DailyDeviation]:
+        """What candidates are compared with."""
+        return daily_deviations(self.case)
+
+    def described(
+        self, this: Round, choice: Choice, others: Sequence[Choice]
+    ) -> tuple[Choice, Effect, Finding]:
+        """A choice given others with its probabilities, its effect, the finding."""
+        selection, case = this.selection, self.case
+        coefficients, given = this.coefficients, selection.given(others)
+        one = selection.weighed(choice, others)
+        logs = log_likelihoods(self.references, one, coefficients)
+        one = with_outside(selection.design, one, given, case.criteria, logs)
+        effect = selection.dated(one, one.first, given)
+        if effect.turns:
+            size = float(one.scores[one.first].estimate[0])
+            effect = by_power(case, effect, size)
+        checks = cross_checks(self.references, one, effect, coefficients)
+        return one, effect, finding_of(one, effect, case, selection.least, checks)
+
+    def hints(self, this: Round) -> Iterator[tuple[Finding, Effect]]:
+        """
+        Further single effects that are not in the model, each given all before it.
+
+        They are chosen and weighed as those of the model, by lower criteria, so that
+        one cause is one hint, whatever else may be it.
+        """
+        limits, least = self.case.criteria, this.selection.least
+        further = replace(this.selection, criteria=limits.for_hints)
+        for finding in (*self.findings, *self.refused):
+            further.closed |= {*finding.candidates}
+        reported = [one.as_first for one in self.choices.values()]
+        while len(reported) < MOST and (best := further.best(reported)):
+            fall = further.in_sample([best.top], further.given(reported))[0]
+            one, effect, finding = self.described(this, best, reported)
+            fitted = float(np.sqrt(fall))
+            yield hint_of(finding, best.score, fitted, least, limits), effect
+            reported.append(one.as_first)
+            further.closed |= {*finding.candidates}
 
     def on_own_steps(self, step: Step) -> Step:
         """A step fitted to the record's own steps, and with its own base."""

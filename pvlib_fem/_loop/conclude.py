@@ -17,7 +17,7 @@ from pvlib_fem._findings import (
     Verdict,
 )
 from pvlib_fem._loop.comparisons import SLACK
-from pvlib_fem._loop.criteria import Criteria
+from pvlib_fem._loop.criteria import HALF, Criteria
 from pvlib_fem._record.column_names import GEOMETRY
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
@@ -30,10 +30,9 @@ if TYPE_CHECKING:
     from pvlib_fem._loop.divided_record import Case
     from pvlib_fem._loop.ranking import Row
     from pvlib_fem._loop.refits import Step
-    from pvlib_fem._loop.selection import Choice
+    from pvlib_fem._loop.selection import Choice, Score
     from pvlib_fem._statistics.tables import Table
 
-HALF = 0.5  # probability from which a cause outside the catalogue is the likelier one
 NINETY = 1.645  # standard errors in half a range that holds 90 %
 
 
@@ -263,69 +262,50 @@ def check_of_bounds(
     )
 
 
-def hints(
-    case: "Case", rows: Mapping[str, "Row"], findings: Sequence[Finding], floor: float
-) -> Iterator[Finding]:
+def hint_of(
+    finding: Finding, score: "Score", fitted: float, floor: float, criteria: Criteria
+) -> Finding:
     """
-    Gains that are reported as hints, since they were not enough for more.
+    A hint: a finding with the check that keeps it out of the model.
 
     Parameters
     ----------
-    case : Case
-    rows : dict of Row
-        The ranking, by name of the effect.
-    findings : sequence of Finding
-        Findings of the model, and findings that were refused.
+    finding : Finding
+    score : Score
+        Of its candidate, given the model and the hints before it.
+    fitted : float
+        Its gain on the weeks that are fitted. [K]
     floor : float
         Fall of the mean square that is material. [K²]
+    criteria : Criteria
 
-    Yields
-    ------
+    Returns
+    -------
     Finding
     """
-    limits = case.criteria
-    done = {name for finding in findings for name in finding.candidates}
-    for name, row in sorted(rows.items(), key=lambda item: -item[1].gain):
-        score = row.score
-        if name in done or row.gain < limits.min_hint_reduction or not score.possible:
-            continue
-        if score.probability < HALF:
-            continue
-        done |= {name, *row.ties}
-        check, why = why_not_chosen(row, floor * score.acting, limits)
-        if not case.enough:
-            check, why = too_short(case)
-        effect = row.effect
-        yield Finding(
-            effect=name,
-            candidates=(name, *row.ties),
-            verdict=Verdict.HINT,
-            gain=row.gain,
-            coefficients=score.coefficients,
-            stderr=score.errors,
-            because=why,
-            checks=(check,),
-            kind=Kind.of(effect),
-            place=dates_in_words(effect.settings) if is_dated(effect) else "",
-        )
+    check, why = why_not_chosen(score, fitted, floor * score.acting, criteria)
+    if finding.verdict is Verdict.HINT:  # as it would be if it were chosen
+        return finding
+    why = replace(why, also=finding.because.also)
+    return replace(finding, verdict=Verdict.HINT, because=why, checks=(check,))
 
 
 def why_not_chosen(
-    row: "Row", least: float, criteria: Criteria
+    score: "Score", fitted: float, least: float, criteria: Criteria
 ) -> tuple[Check, Because]:
     """The check of a possible effect that the selection did not pass, and why."""
-    check = check_of_gain(row.gain, least)
+    check = check_of_gain(float(np.sqrt(score.fall)), least)
     if not check.passed:
         return check, because(Reason.NOT_MATERIAL, least=check.threshold)
-    chance, sure = row.score.probability, criteria.min_probability
+    chance, sure = score.probability, criteria.min_probability
     check = check_of_existence(chance, sure)
     if not check.passed:
         return check, because(Reason.NOT_SURE, chance=chance, least=sure)
-    fitted = check_of_gain(row.fitted, least)
-    if not fitted.passed:
-        least = fitted.threshold
-        why = because(Reason.NOT_MATERIAL_FITTED, gain=row.fitted, least=least)
-        return replace(fitted, name="gain on the weeks that are fitted"), why
+    check = check_of_gain(fitted, least)
+    if not check.passed:
+        least = check.threshold
+        why = because(Reason.NOT_MATERIAL_FITTED, gain=fitted, least=least)
+        return replace(check, name="gain on the weeks that are fitted"), why
     return check, because(Reason.NOT_CHOSEN)
 
 

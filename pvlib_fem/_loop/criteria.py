@@ -1,9 +1,12 @@
 """Every threshold by which the loop decides, in one place."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from pvlib_fem._former_names import fields_in_new_names
 from pvlib_fem.quality._limits import Limits
+
+HALF = 0.5  # probability above which something is more probable than not
+TINY = 1e-12  # of the error: a hint is of any share
 
 #: former names of thresholds
 RENAMED = {
@@ -103,6 +106,16 @@ class Criteria:
     max_episode_chance: float = 0.01
 
     limits: Limits = field(default_factory=Limits)
+
+    @property
+    def for_hints(self) -> "Criteria":
+        """The criteria of a hint, which is a finding that is not in the model."""
+        return replace(
+            self,
+            min_rmse_reduction=self.min_hint_reduction,
+            min_error_share=TINY,
+            min_probability=HALF,
+        )
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():

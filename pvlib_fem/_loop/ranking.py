@@ -30,7 +30,6 @@ class Row:
 
     effect: Effect
     score: "Score"
-    fitted: float  # gain on the weeks that are fitted [K]
     p_value: float  # for this candidate alone
     detectable: float  # minimum detectable gain [K]
     rows: int  # on which its drivers are there
@@ -113,7 +112,6 @@ def ranked(
         rows[one.name] = Row(
             one.effect,
             score,
-            float(np.sqrt(max(falls[place], 0.0))),
             float(fdtrc(size, score.freedom, max(statistic / size, 0.0))),
             float(detectable),
             evidence.known.get(one.name, len(evidence.rows)),

@@ -335,9 +335,9 @@ class Selection:
         key = frozenset(given)
         if key not in self.known:
             limits = self.criteria.min_days_each_side, self.criteria.prior_odds
-            every = all_candidates(self.design, given, *limits)
-            self.known[key] = [one for one in every if one.name not in self.closed]
-        others = [one for one in self.known[key] if one.name not in {*taken}]
+            self.known[key] = [*all_candidates(self.design, given, *limits)]
+        closed = {*taken, *self.closed}
+        others = [one for one in self.known[key] if one.name not in closed]
         return [one for one in others if not without or one.time_profile != without]
 
     def with_same_law(self, candidates: Iterable[Candidate]) -> Iterator[Candidate]:

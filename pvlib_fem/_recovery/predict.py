@@ -7,7 +7,7 @@ import numpy as np
 
 from pvlib_fem._findings import OUTSIDE
 from pvlib_fem._loop.close import Round
-from pvlib_fem._loop.conclude import HALF
+from pvlib_fem._loop.criteria import HALF
 from pvlib_fem._loop.cross_checks import log_likelihoods
 from pvlib_fem._loop.design import Changed, Column, Design
 from pvlib_fem._loop.dictionary import Candidate

@@ -19,7 +19,7 @@ from pvlib_fem._loop.references import DailyDeviation, daily_deviations, usual_d
 from pvlib_fem._loop.selection import Choice
 from pvlib_fem._record.column_names import COLUMNS, is_cross_check, is_power, twin_of
 from pvlib_fem._stored import Stored, as_json
-from pvlib_fem.effects import EFFECTS
+from pvlib_fem.effects import CHANGES, EFFECTS
 
 
 def with_power(data, step, **more):
@@ -49,6 +49,23 @@ def test_power_names_the_irradiance_sensor_or_the_light(half_a_year):  # noqa: F
     assert check.column == "power_ac" and check.outcome is CheckOutcome.AGREES
     assert check.size == pytest.approx(np.log(1.1), abs=3 * check.stderr + 0.005)
     assert "power_ac deviate from the sensor" in first.why
+
+
+def test_a_threshold_decides_only_whether_a_finding_is_in_the_model(half_a_year):  # noqa: F811
+    """What it keeps out is one hint, with the causes and checks of the finding."""
+    data, _ = with_change(half_a_year)
+    data = with_power(data, 0.1)
+    data["poa_global"] /= 1.0 + 0.1 * after(data)
+    found = closed(data).finding_objects[0]
+    strict = closed(data, min_rmse_reduction=1.5 * found.gain)
+    (hint,) = (f for f in strict.finding_objects if {*f.candidates} & {*CHANGES})
+    assert hint.verdict is Verdict.HINT and hint.because.reason.name == "NOT_MATERIAL"
+    assert hint.candidates == found.candidates
+    (agrees,) = (c for c in hint.cross_checks if c.effect == found.effect)
+    assert agrees.column == "power_ac" and agrees.outcome is CheckOutcome.AGREES
+    assert "power_ac deviate from the sensor" in hint.why
+    (row,) = (r for r in strict.statements.itertuples() if r.cause == hint.effect)
+    assert "power_ac" in row.certainty and row.verdict == "hint"
 
 
 def test_a_second_sensor_names_the_light_on_the_modules(half_a_year):  # noqa: F811

@@ -76,9 +76,8 @@ def test_the_first_failure_is_the_rule_that_decided():
 )
 def test_a_hint_says_what_it_lacks(gain, chance, fitted, name, words):
     """A probability that suffices is no reason against it."""
-    score = SimpleNamespace(probability=chance)
-    row = SimpleNamespace(gain=gain, score=score, fitted=fitted)
-    check, why = why_not_chosen(row, 0.15**2, Criteria())
+    score = SimpleNamespace(fall=gain**2, probability=chance)
+    check, why = why_not_chosen(score, fitted, 0.15**2, Criteria())
     assert why.reason.name == name and str(why).endswith(words)
     assert check.passed is (name == "NOT_CHOSEN")
 
