@@ -72,7 +72,8 @@ def reflection(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     random = random_of_law(weather, "reflection")
     azimuth, elevation = (weather[n].to_numpy() for n in ("azimuth", "elevation"))
     low = (elevation > LOW_SUN) & (elevation < HIGH_SUN)
-    low = np.flatnonzero(low & (angular_distance(azimuth, 180.0) < 90.0))
+    equator = 180.0 if site.latitude >= 0.0 else 0.0
+    low = np.flatnonzero(low & (angular_distance(azimuth, equator) < 90.0))
     if not len(low):  # no hours with such sun
         return np.zeros(len(weather))
     place = random.choice(low)

@@ -1,5 +1,6 @@
 """Causes that are in no catalogue: where, when and how large each is."""
 
+from dataclasses import replace
 from inspect import getdoc
 
 import numpy as np
@@ -56,6 +57,16 @@ def test_a_facade_mirrors_a_fifth_of_the_beam_from_a_part_of_the_sky(sky):
     assert found[found > 0] == pytest.approx(0.2 * some["dni"])
     assert some["elevation"].max() - some["elevation"].min() < 30.0
     assert np.ptp(some["azimuth"]) < 60.0
+
+
+def test_a_facade_south_of_the_equator_mirrors_the_sun_in_the_north():
+    south = replace(RHINE, latitude=-RHINE.latitude, surface_azimuth=0.0)
+    middles = []
+    for seed in range(6):
+        sky = weather(south, days=365, step=3600.0, seed=seed)
+        there = LAWS["reflection"](sky, south) > 0
+        middles.append(angular_distance(sky["azimuth"][there], 0.0).mean())
+    assert max(middles) < 90.0
 
 
 def test_a_plume_comes_with_wind_of_one_direction(sky):
