@@ -42,12 +42,22 @@ def noons(
     -------
     Series
         For each day. [min]
+
+    Raises
+    ------
+    ValueError
+        If the values are negative where they should be light.
     """
     limits, step = Limits(), usual_step(index)
     if not step > 0.0:  # of a single row
         return pd.Series(dtype=float)
     seconds, values = regular(seconds_of(index), values, step)
     full = np.nanquantile(values, BEST) if np.isfinite(values).any() else 0.0
+    if np.nansum(values) < 0.0 and -np.nanquantile(values, 1.0 - BEST) > full:
+        raise ValueError(
+            f"light is negative, down to {np.nanmin(values):g}; if a meter counts what "
+            "a plant feeds as negative, turn its sign, else give rows of whole days"
+        )
     if not full > 0.0:
         return pd.Series(dtype=float)
     light = values * (FULL / full)

@@ -83,7 +83,8 @@ def time_shifts(
     Parameters
     ----------
     light : Series
-        Irradiance or power, in any unit. Times without a zone are local standard time.
+        Irradiance or power, in any unit and positive by day; what a plant uses by night
+        is negative. Times without a zone are local standard time.
     location : pvlib.location.Location
     surface_tilt, surface_azimuth : float or Series, optional
         Of the plane; a flat one by default. [°]
@@ -103,7 +104,7 @@ def time_shifts(
         If ``light`` is no Series with a DatetimeIndex.
     ValueError
         If its times are not in order, a few are years from all others, its values are
-        no numbers, or ``label`` is unknown.
+        no numbers or negative by day, or ``label`` is unknown.
 
     Notes
     -----

@@ -102,6 +102,15 @@ def test_nights_may_lack(poa):
     assert [by for _, by in found.jumps] == [30]
 
 
+def test_power_may_be_used_by_night_but_not_fed_as_negative(poa):
+    fed = ahead(poa, 30, "2023-06-01")
+    used = fed.where(fed > 0.0, -0.01 * fed.max())
+    found = detect.time_shifts(used, place(RHINE), label="center")
+    assert [by for _, by in found.jumps] == [30]
+    with pytest.raises(ValueError, match=r"light is negative, .* turn its sign"):
+        detect.time_shifts(-used, place(RHINE), label="center")
+
+
 @pytest.mark.parametrize(("label", "end"), [("left", 0), ("right", 1)])
 def test_a_label_names_the_end_of_an_interval(label, end):
     fine = light(days=60, step=300.0)
