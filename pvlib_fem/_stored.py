@@ -179,6 +179,11 @@ def content_of(path: Path, kinds: Sequence) -> dict:
             raise ValueError(f"{path} holds {min(twice)} twice in one object")
         return dict(pairs)
 
+    if isinstance(path, str) and path.startswith("{\n"):
+        raise ValueError(
+            "path is the text of a result, as to_json() returns it; write it to a "
+            "file with to_json(path), and give its path"
+        )
     try:
         content = json.loads(
             file_in_new_names(Path(path).read_text(encoding="utf-8")),

@@ -244,6 +244,11 @@ def test_what_is_no_result_is_refused(tmp_path, text, message):
             read(tmp_path / "x.json")
 
 
+def test_the_text_of_a_result_is_no_path(loop):
+    with pytest.raises(ValueError, match=r"as to_json\(\) returns it; write it to a"):
+        fem.FemFit.from_json(loop.fit.to_json())
+
+
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
