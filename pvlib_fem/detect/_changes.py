@@ -175,7 +175,8 @@ def level_changes(one: DailyDeviation, law: Law) -> LevelChanges:
         if all(there):
             drift, error, _ = one.along(years, values, steps)
             sizes = [size for size, _ in estimates]
-            return level_result(one.days, new, sizes, one.column, drift, error)
+            share = np.expm1(drift), np.exp(drift) * error
+            return level_result(one.days, new, sizes, one.column, *share)
         weak = min(
             range(len(new)), key=lambda k: abs(estimates[k][0]) / estimates[k][1]
         )

@@ -111,6 +111,13 @@ def test_a_drift_of_an_anemometer_is_found_by_another(record, rate):
     assert not found.steps
 
 
+@pytest.mark.parametrize("share", [-0.2, 0.2])
+def test_a_drift_is_a_share_of_the_year_before(record, share):
+    wind = record["mast"] * (1.0 + share) ** years(record["mast"])
+    found = detect.slow_anemometer(wind, record["mast"])
+    assert found.drift == pytest.approx(share, abs=0.003)
+
+
 def test_usual_wind_shows_large_steps_alone(record):
     slow = detect.slow_anemometer(after(record["wind_speed"], 0.5))
     ((day, size),) = slow.steps
