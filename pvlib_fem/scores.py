@@ -414,7 +414,9 @@ def delayed_sensor(
 def whole_delays(delays: Any, step: float) -> list | range:
     """Delays in whole steps, by default the paper's; ValueError for other delays."""
     chosen = LATE if delays is None else list(delays)
-    between = [d for d in chosen if not abs(d / step - np.rint(d / step)) < CLOSE]
+    # a delay of much less than a step is none of no steps
+    whole = {d: np.rint(d / step) or float(d != 0) for d in chosen}
+    between = [d for d, steps in whole.items() if not abs(d / step - steps) < CLOSE]
     if delays is None:
         chosen = [delay for delay in chosen if delay not in between]
     if not chosen or (delays is not None and between):

@@ -128,6 +128,20 @@ def test_a_late_sensor_on_a_ramp_is_off_by_the_slope_times_the_delay():
     assert table["points"].tolist() == [600, 594, 540]
 
 
+def test_a_delay_far_below_a_step_is_not_none():
+    """At 15 min, 1 min late was an error of 0 K."""
+    times = pd.date_range("2024-05-01", periods=100, freq="15min")
+    ramp = pd.Series(np.arange(100.0), times)
+    with pytest.raises(ValueError, match="delays of 60 s are no whole steps of 900 s"):
+        scores.delayed_sensor(ramp, delays=[0, 60, 900])
+    with pytest.raises(ValueError, match=r"delays of 60, 120, .* are no whole steps"):
+        scores.delayed_sensor(ramp)
+    five = scores.delayed_sensor(
+        ramp.set_axis(times[0] + 300 * (times - times[0]) / 900)
+    )
+    assert five.index.tolist() == [300, 600]
+
+
 def test_the_delayed_sensor_needs_times():
     with pytest.raises(ValueError, match="no DatetimeIndex"):
         scores.delayed_sensor(pd.Series([1.0, 2.0]))
