@@ -59,9 +59,9 @@ def synthetic(
     latitude, longitude, surface_tilt, surface_azimuth : float
         Site and orientation. [°]
     **coefficients
-        Coefficients of the model, with ``tau`` or ``capacity`` and ``bias``. The
-        default is ``u0=25``, ``u1=6.84``, ``capacity=15e3`` or ``tau=378``, and
-        ``bias=-2``.
+        Coefficients of the model, with ``tau`` or ``capacity``, by default 378 s and
+        15 000 J/(m² K), and ``bias``, by default 0. Without any they are ``u0=25``,
+        ``u1=6.84`` and ``bias=-2``.
 
     Returns
     -------
@@ -84,9 +84,11 @@ def synthetic(
             raise ValueError(f"{name} = {value} must be a positive number [{unit}]")
     if days * 86400 < step:
         raise ValueError(f"days = {days} are shorter than a step of {step} s")
+    memory = {"tau": TAU} if dynamics == "ewm" else {"capacity": 15e3}
     if not coefficients:
-        memory = {"tau": TAU} if dynamics == "ewm" else {"capacity": 15e3}
         coefficients = {"u0": 25.0, "u1": 6.84, **memory, "bias": -2.0}
+    usual = {**memory, "bias": 0.0}
+    coefficients |= {n: v for n, v in usual.items() if n not in coefficients}
     random = np.random.default_rng(seed)
     hours = round(longitude / 15)
     times = pd.date_range(
@@ -115,7 +117,8 @@ def synthetic(
         data["dhi"],
     )
     data["poa_global"] = total["poa_global"].fillna(0.0).clip(lower=0.0)
-    hour = (minutes / 60.0) % 24.0
+    begins = (times[0] - times[0].normalize()) / pd.Timedelta(hours=1)
+    hour = (begins + minutes / 60.0) % 24.0
     data["temp_air"] = (
         15.0
         - 6.0 * np.cos((hour - 3.0) / 24.0 * 2 * np.pi)

@@ -276,6 +276,24 @@ def test_its_wind_is_weibull():
     assert wind.quantile(0.9) == pytest.approx(3.0 * 1.712, rel=0.04)
 
 
+@pytest.mark.parametrize("dynamics", ["ewm", "balance"])
+def test_the_truth_of_a_synthetic_record_is_whole(dynamics):
+    """Also where coefficients of the steady model alone are given."""
+    data = datasets.synthetic(3, 600, dynamics=dynamics, noise=0, u0=20.0, u1=5.0)
+    usual = (data[name] for name in ("poa_global", "temp_air", "wind_speed"))
+    function = {"ewm": fem_temperature, "balance": heat_balance}[dynamics]
+    again = function(*usual, model="faiman", **data.attrs["coefficients"])
+    np.testing.assert_array_equal(again, data["temp_module"])
+    memory = {"ewm": {"tau": 378.0}, "balance": {"capacity": 15e3}}[dynamics]
+    assert data.attrs["coefficients"] == {"u0": 20.0, "u1": 5.0, "bias": 0.0} | memory
+
+
+def test_synthetic_air_is_coldest_before_sunrise_from_any_hour_on():
+    for start in ("2023-06-01", "2023-06-01 12:00"):
+        air = datasets.synthetic(60, 3600, start=start)["temp_air"]
+        assert 1 <= air.groupby(air.index.hour).mean().idxmin() <= 5
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
