@@ -3,10 +3,19 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from pvlib_fem.simulator._submodels import Forms
+from pvlib_fem.simulator._submodels import Forms, check_range
 from pvlib_fem.simulator._tracker import Tracker
 
 MOUNTINGS = ("rack", "roof")
+#: least and largest value of what has one
+RANGES = {
+    "latitude": (-90.0, 90.0),
+    "longitude": (-180.0, 180.0),
+    "surface_tilt": (0.0, 180.0),
+    "rain_days": (0.0, 1.0),
+    "clear_share": (0.0, 1.0),
+    "albedo": (0.0, 1.0),
+}
 
 
 @dataclass(frozen=True)
@@ -56,6 +65,8 @@ class Site:
     def __post_init__(self) -> None:
         if isinstance(self.forms, Mapping):  # from a record's attrs
             object.__setattr__(self, "forms", Forms(**self.forms))
+        for name, ends in RANGES.items():
+            check_range(name, getattr(self, name), *ends)
         if self.mounting not in MOUNTINGS:
             raise ValueError(f"mounting = {self.mounting!r}; it is 'rack' or 'roof'")
         if isinstance(self.tracker, Mapping):

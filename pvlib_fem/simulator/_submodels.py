@@ -36,6 +36,21 @@ def as_form(kind: type[Part], value: Part | Mapping[str, Any]) -> Part:
 
 
 def check_range(name: str, value: float, least: float, most: float) -> None:
+    """
+    Refuse a number out of its range.
+
+    Parameters
+    ----------
+    name : str
+        For the message.
+    value, least, most : float
+        In one unit.
+
+    Raises
+    ------
+    ValueError
+        If it is below the least or above the most, or NaN.
+    """
     if not least <= value <= most:
         raise ValueError(f"{name} = {value} must be from {least} to {most}")
 

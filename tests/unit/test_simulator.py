@@ -730,3 +730,6 @@ def test_uneven_steps_and_unknown_mountings_are_refused(wet_week):
         weather(RHINE, days=3, step=7200)
     with pytest.raises(ValueError, match="mounting = 'pole'; it is 'rack' or 'roof'"):
         Site(mounting="pole")
+    for name, value in (("latitude", 100.0), ("longitude", 200.0), ("albedo", 20.0)):
+        with pytest.raises(ValueError, match=f"{name} = {value} must be from"):
+            Site(**{name: value})
