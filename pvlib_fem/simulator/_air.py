@@ -114,7 +114,7 @@ def idso_jackson(
 ) -> np.ndarray:
     """S. B. Idso and R. D. Jackson, J. Geophys. Res. 74, 5397 (1969).
 
-    :doi:`10.1029/JB074i023p05397`: of air temperature alone.
+    :doi:`10.1029/JC074i023p05397`: of air temperature alone.
     """
     return 1.0 - 0.261 * np.exp(-7.77e-4 * celsius**2)
 
