@@ -23,6 +23,7 @@ from pvlib_fem._record.checks import instants, usual_step
 from pvlib_fem._statistics.clusters import FEWEST_DAYS, cluster_sums
 from pvlib_fem._thermal_parameters.given_record import Measured
 from pvlib_fem._thermal_parameters.parameter_rows import LEVEL, Row
+from pvlib_fem.effects._windows import orthonormal
 
 HEAVIEST = 20.0  # kg/m², mass at which the rate is zero in still air
 WINDOW = 1200.0  # s, window of Prilliman's mean
@@ -317,7 +318,9 @@ class PrillimanFit:
             self.temperature(moved, unit_mass + step) for step in (-EDGE / 2, EDGE / 2)
         ]
         slope = ((ends[1] - ends[0]) / EDGE)[residual.index].to_numpy()
-        covariance = cluster_sums([slope, *columns], residual, dates).by_day()
+        # without wind that varies, some coefficients depend on others
+        others = orthonormal([*columns]).T
+        covariance = cluster_sums([slope, *others], residual, dates).by_day()
         return Mass(unit_mass, float(np.sqrt(covariance[0, 0])), days, modelled), ""
 
     def scores(self, mass: Any) -> dict:

@@ -694,3 +694,16 @@ def test_days_are_held_out_of_a_given_record_alone(fits):
     residual = fit.residual[out & (fit.record["poa_global"] > 20.0)]
     expected = np.sqrt((residual**2).mean())
     assert left.loc["this fit", "value"] == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("wind", [0.0, 2.0])
+def test_a_mass_needs_no_wind_that_varies(wind):
+    """A constant wind leaves one coefficient to know, as the model without wind."""
+    data = datasets.synthetic(days=14, step=600, seed=1).assign(wind_speed=wind)
+    found = []
+    for model in ("faiman", "ross"):
+        fit = fem.fit_fem(data, model=model, dynamics="balance")
+        mass = fit.thermal_parameters().loc[("prilliman", "unit_mass")]
+        found.append([mass["value"], mass["stderr"]])
+    assert found[0] == pytest.approx(found[1], rel=1e-3)
+    assert np.isfinite(found).all()
