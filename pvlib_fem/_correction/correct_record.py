@@ -9,14 +9,8 @@ from pvlib_fem._correction.corrected_record import CorrectedRecord
 from pvlib_fem._correction.correction_steps import FLAGS, TIME, Work
 from pvlib_fem._correction.faults import faults_to_correct
 from pvlib_fem._correction.repairs import SOUND
-from pvlib_fem._record.column_names import (
-    ALIASES,
-    ORIGINAL,
-    RENAMED,
-    numeric,
-    printable,
-    with_aliases,
-)
+from pvlib_fem._record.column_names import ORIGINAL, numeric, with_aliases
+from pvlib_fem.quality._screen import labels_of
 
 
 def corrected_record(
@@ -45,10 +39,7 @@ def corrected_record(
         If no row is within the period of the loop's record, data are corrected already,
         a time comes twice, or ``resolve`` has no candidate of a finding.
     """
-    columns = with_aliases(data, ())
-    labels = {printable(label): label for label in data}
-    others = {**ALIASES, **RENAMED}
-    labels = {new: labels[old] for old, new in others.items() if old in labels} | labels
+    columns, labels = with_aliases(data, ()), labels_of(data)
     own = [name for name in (FLAGS, TIME) if name in labels]
     own += [f"{n}{ORIGINAL}" for n in SOUND if f"{n}{ORIGINAL}" in labels]
     if own:

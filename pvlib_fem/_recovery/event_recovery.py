@@ -15,10 +15,11 @@ from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.planes import with_given
 from pvlib_fem._loop.power_events import EVENTS
 from pvlib_fem._record.column_names import PLANT_POWER, plant_power
-from pvlib_fem._recovery.inject import add_to_rows, labels_of
+from pvlib_fem._recovery.inject import add_to_rows
 from pvlib_fem._spelling import no_columns
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers._plant_irradiance import LEAST
+from pvlib_fem.quality._screen import labels_of
 
 HEATS = (0.1, 0.3)  # of irradiance, that an outage turns into heat
 LOSES = (0.05, 0.98)  # of irradiance, that a cover takes

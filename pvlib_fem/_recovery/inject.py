@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._record.column_names import ALIASES, RENAMED, is_power, printable
+from pvlib_fem._record.column_names import is_power
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._recovery.draw import Injection
 from pvlib_fem._thermal.model import ThermalModel
@@ -24,6 +24,7 @@ from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import weights_of
 from pvlib_fem.quality._lag import retimed
 from pvlib_fem.quality._module_lag import Clock
+from pvlib_fem.quality._screen import labels_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,25 +202,6 @@ def whole_of(sensor_fault: str, coefficients: dict) -> Any:
     """
     u1 = coefficients.get("u1", np.inf)  # the true loss by wind does not change
     return {"irradiance_sensor": 1.0, "anemometer": u1}.get(sensor_fault)
-
-
-def labels_of(data: pd.DataFrame) -> dict:
-    """
-    The label of each column of a frame, by the package's name.
-
-    Parameters
-    ----------
-    data : pandas.DataFrame, shape (rows, columns)
-        The user's frame.
-
-    Returns
-    -------
-    dict
-        Labels by name; columns with an older name have both.
-    """
-    labels = {printable(label): label for label in data}
-    others = {**ALIASES, **RENAMED}
-    return {new: labels[old] for old, new in others.items() if old in labels} | labels
 
 
 def add_to_rows(

@@ -16,9 +16,9 @@ from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._record.checks import usual_step
 from pvlib_fem._record.column_names import ANGLES, GEOMETRY
 from pvlib_fem._recovery.draw import time_profile_of
-from pvlib_fem._recovery.inject import labels_of
 from pvlib_fem.drivers import geometry, needed_for
 from pvlib_fem.effects import EFFECTS
+from pvlib_fem.quality._screen import labels_of
 
 YEAR = 365.2425  # days
 WEEK, QUARTER = 7, 91  # days that stay together when dates are scrambled

@@ -311,12 +311,28 @@ def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening
 
 def of_frame(data: pd.DataFrame) -> tuple[Record, dict]:
     """The numeric columns of a frame as a record, and what the frame calls them."""
-    columns = with_aliases(data, ())
-    own = {printable(label): label for label in data}
-    others = {**ALIASES, **RENAMED}
-    own = {new: own[old] for old, new in others.items() if old in own} | own
+    columns, labels = with_aliases(data, ()), labels_of(data)
     numeric = {n: c for n, c in columns.items() if pd.api.types.is_numeric_dtype(c)}
     inputs = read(numeric, purpose="a screening")
     lacking = dict.fromkeys(POSSIBLE, np.full(len(data), np.nan))
     inputs = replace(inputs, columns=Columns(lacking) | inputs.columns)
-    return Record(inputs, {}, {}, 0), {name: own[name] for name in numeric}
+    return Record(inputs, {}, {}, 0), {name: labels[name] for name in numeric}
+
+
+def labels_of(data: pd.DataFrame) -> dict:
+    """
+    The label of each column of a frame, by the package's name.
+
+    Parameters
+    ----------
+    data : pandas.DataFrame, shape (rows, columns)
+        The user's frame.
+
+    Returns
+    -------
+    dict
+        Labels by name; columns with an older name have both.
+    """
+    labels = {printable(label): label for label in data}
+    others = {**ALIASES, **RENAMED}
+    return {new: labels[old] for old, new in others.items() if old in labels} | labels
