@@ -17,7 +17,7 @@ from pvlib_fem.quality._outliers import (
     is_switch,
     jumps,
     lone_zeros,
-    resolution,
+    mean_spacing,
     returns,
 )
 from pvlib_fem.quality._stray_times import stray_side
@@ -167,14 +167,14 @@ class Column:
         A temperature has no favourite near 0. So readings other than 0 to which it
         jumped and returned tell how often it did so to 0 itself: they lie up to half
         the depth of a zero from 0, and half as deep as it. There are as many of them
-        for each zero as readings fit in between, ``depth / resolution``; one more than
+        for each zero as readings fit in between, ``depth / spacing``; one more than
         were seen is expected. Of zeros of half to twice the depth
         ``max_accident_share`` may have been measured, and of ``max_accident_rows``
         none. At least ``min_known_values`` readings have to fit in between.
         """
         number, depth = zeros
         limits, result = self.limits, np.zeros(len(number), dtype=bool)
-        least = resolution(sample)
+        least = mean_spacing(sample)
         for rows in np.unique(number):
             these = np.flatnonzero(number == rows)
             these = these[np.argsort(depth[these])]
@@ -225,7 +225,7 @@ class Column:
         """
         Rows of one or two values that are ``factor`` times as large as all else.
 
-        As :func:`pvlib_fem.quality._outliers.beyond`, by a pass where it may be.
+        Only where the sample leaves it open, another pass over the record decides.
         """
         none = np.empty(0, int), np.empty(0, int), np.empty(0)
         limits, sizes = self.limits, np.abs(sample[np.isfinite(sample)])

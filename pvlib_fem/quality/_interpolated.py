@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 
 from pvlib_fem._record.inputs import Inputs
-from pvlib_fem.quality._values import resolution
+from pvlib_fem.quality._values import changes
 
 COLUMNS = (
     "poa_global",
@@ -64,7 +64,8 @@ def filling_of(
     values, seconds = values[there], seconds[there]
     if len(values) < FEWEST * FEWEST_ROWS:
         return None
-    fine = 1.02 * resolution(values) + 1e-6 * np.ptp(values)  # both ends are rounded
+    least = changes(values).min(initial=np.inf)
+    fine = 1.02 * least + 1e-6 * np.ptp(values)  # both ends are rounded
     change = np.abs(np.diff(values, prepend=values[0]))
     bend = np.abs(np.diff(values, n=2, prepend=values[0], append=values[-1]))
     forms = [

@@ -401,7 +401,7 @@ def returns(values: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
     return farthest, np.maximum(up, down)
 
 
-def resolution(values: np.ndarray) -> float:
+def mean_spacing(values: np.ndarray) -> float:
     """
     Mean distance between the values that a column has.
 

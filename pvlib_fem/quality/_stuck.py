@@ -7,16 +7,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._record.clean import (
-    CleanRecord,
-    rows_in_spans,
-)
+from pvlib_fem._record.clean import CleanRecord, rows_in_spans
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._record.parquet import Block
 from pvlib_fem._relaxation import relax
 from pvlib_fem._spelling import argument, refusal
 from pvlib_fem.quality._limits import POSSIBLE, Limits
-from pvlib_fem.quality._values import never_moves
+from pvlib_fem.quality._values import changes, never_moves
 
 
 @dataclass(frozen=True, eq=False)
@@ -392,11 +389,9 @@ class Extents:
 
     def resolve(self, name: str, values: np.ndarray) -> None:
         """Smallest change of a column so far."""
-        change = np.abs(np.diff(values, prepend=self.before.get(name, np.nan)))
+        change = changes(np.append(self.before.get(name, np.nan), values))
         self.before[name] = values[-1]
-        change = change[change > 1e-9]
-        if len(change):
-            self.steps[name] = min(self.steps[name], float(change.min()))
+        self.steps[name] = float(change.min(initial=self.steps[name]))
 
     def taker(self, name: str) -> Callable:
         """What tells the extent of another column in repetitions of one."""

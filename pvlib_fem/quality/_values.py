@@ -23,24 +23,6 @@ def changes(values: np.ndarray) -> np.ndarray:
     return change[change > 1e-9]
 
 
-def resolution(values: np.ndarray) -> float:
-    """
-    Smallest change of a column.
-
-    Parameters
-    ----------
-    values : numpy.ndarray, shape (rows,)
-        Changes next to a NaN do not count.
-
-    Returns
-    -------
-    float
-        In the unit of the column; 0 if it never changes.
-    """
-    change = changes(values)
-    return float(change.min()) if len(change) else 0.0
-
-
 def never_moves(values: np.ndarray) -> bool:
     """
     Whether a column has one value only, whatever is missing.
