@@ -1,7 +1,5 @@
 """What a column cannot have measured, seen from the column alone."""
 
-from typing import Any
-
 import numpy as np
 import pandas as pd
 
@@ -101,89 +99,6 @@ def rows_outside(values: np.ndarray, low: float, high: float) -> np.ndarray:
     if len(values) and np.fmin.reduce(values) >= low and np.fmax.reduce(values) <= high:
         return np.zeros(len(values), dtype=bool)
     return (values < low) | (values > high)
-
-
-def slots(index: pd.DatetimeIndex, limits: Limits) -> tuple[np.ndarray, np.ndarray]:
-    """
-    Number of each row's day, and of its part of the day.
-
-    Parameters
-    ----------
-    index : pandas.DatetimeIndex, shape (rows,)
-        Of a zone the wall times count.
-    limits : Limits
-        ``daylight_tolerance`` is the length of a part.
-
-    Returns
-    -------
-    day : numpy.ndarray of int, shape (rows,)
-        Days since 1970-01-01.
-    part : numpy.ndarray of int, shape (rows,)
-        From 0 at midnight.
-    """
-    local = (index if index.tz is None else index.tz_localize(None)).to_numpy()
-    counts = local.view("i8")
-    length = np.timedelta64(1, "D") // np.timedelta64(1, index.unit)
-    day = counts // length
-    part = limits.daylight_tolerance * length / 86400.0
-    return day, ((counts - day * length) / part).astype(int)
-
-
-def packed(days: np.ndarray, side: int) -> np.ndarray:
-    """
-    Number days anew, with gaps no longer than a window reaches.
-
-    A table of these numbers has few rows for a record with a stray time, which can be
-    millennia from all others.
-
-    Parameters
-    ----------
-    days : numpy.ndarray of int, shape (n,)
-        Sorted days, such as those of :func:`slots`.
-    side : int
-        Days on each side of a window. [days]
-
-    Returns
-    -------
-    numpy.ndarray of int, shape (n,)
-        From 0. Days that are up to ``side`` days apart stay so, and others are at least
-        one more.
-    """
-    gaps = np.diff(days, prepend=days[:1])
-    return np.cumsum(np.minimum(gaps, side + 1))
-
-
-def is_light(usual: pd.DataFrame, day: Any, slot: Any, limits: Limits) -> np.ndarray:
-    """
-    Whether some parts of days are light on the days around.
-
-    Parameters
-    ----------
-    usual : pandas.DataFrame, shape (days, parts)
-        Mean irradiance; its index and columns have the numbers of :func:`slots`. [W/m²]
-    day, slot : numpy.ndarray of int, shape (n,)
-        Parts to look at, which ``usual`` has.
-    limits : Limits
-        ``daylight_window`` days on either side, of which one is above
-        ``min_sunny_irradiance``.
-
-    Returns
-    -------
-    numpy.ndarray of bool, shape (n,)
-        True for light.
-    """
-    # days beyond a gap of months are of another season
-    side = limits.daylight_window
-    places = packed(usual.index.to_numpy(), side)
-    around = (
-        usual.set_axis(places)
-        .reindex(np.arange(places[-1] + 1))
-        .rolling(2 * side + 1, 1, center=True)
-        .max()
-    )
-    rows = places[usual.index.get_indexer(day)]
-    values = around.to_numpy()[rows, around.columns.get_indexer(slot)]
-    return values > limits.min_sunny_irradiance
 
 
 #: ends of a column at which its sensor, or a logger, may stop: most, and least. Light

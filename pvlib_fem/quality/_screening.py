@@ -1,6 +1,6 @@
 """The screening of a record block by block, whether it is in memory or in files."""
 
-from collections import Counter, namedtuple
+from collections import namedtuple
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -21,16 +21,14 @@ from pvlib_fem._record.header_units import of_any_unit
 from pvlib_fem._record.inputs import Inputs, Record
 from pvlib_fem._record.ranges import possible_range
 from pvlib_fem.quality._file_scan import Look
+from pvlib_fem.quality._light_table import LightTable, light_by_night
 from pvlib_fem.quality._limits import POSSIBLE, Limits
-from pvlib_fem.quality._nightlight import light_by_night
 from pvlib_fem.quality._outliers import (
     at_end,
     codes_apart,
-    is_light,
     is_switch,
     range_ends,
     rows_outside,
-    slots,
 )
 from pvlib_fem.quality._stuck import (
     DRIVERS,
@@ -45,7 +43,6 @@ from pvlib_fem.quality._unit_checks import doubtful
 from pvlib_fem.quality._values import never_moves
 
 PLACED = (*GEOMETRY, ROTATION)  # angles, which no rule checks
-PARTS = 1000  # of a day, more than there are
 
 #: what was found of one kind in one column, as Faults.counts has it
 FaultRow = namedtuple("FaultRow", "column kind rows first value")
@@ -194,6 +191,13 @@ class Screener:
             time = self.clean.source.time_at(times[at])
             self.take(kind, name, spans(np.sort(rows)), time, values[at])
 
+    def note_parts(self, kind: str, name: str, parts: list) -> bool:
+        """Take rows that were found in blocks out of a column, if there are any."""
+        if not (some := [part for part in parts if len(part[0])]):
+            return False
+        self.note(kind, name, *map(np.concatenate, zip(*some)))
+        return True
+
     def take(
         self, kind: str, name: str, rows: np.ndarray, time: pd.Timestamp, value: float
     ) -> None:
@@ -256,55 +260,33 @@ class Screener:
         """Take negative irradiance by day out; rows of it by night come back."""
         if not self.look.columns["poa_global"].least < 0:
             return 0
-        light, below = self.light(), [0]
-        parts = []
+        light, below, parts = LightTable(self.days, self.limits), 0, []
+        for block in self.clean.blocks(("poa_global",)):
+            poa = block["poa_global"]
+            light.add(block.index, np.where(poa < 0, np.nan, poa))
+        sunny = light.sunny()
         for block in self.clean.blocks(("poa_global",)):
             poa = block["poa_global"]
             rows = np.flatnonzero(poa < 0)
-            below.append(len(rows))
-            if light and len(rows):
-                day, slot = slots(block.index[rows], self.limits)
-                rows = rows[np.isin(day * PARTS + slot, list(light))]
-                parts.append((rows + block.start, block.times[rows], poa[rows]))
-        if parts and sum(len(rows) for rows, *_ in parts):
-            self.note(
-                "negative by day", "poa_global", *map(np.concatenate, zip(*parts))
-            )
+            below += len(rows)
+            rows = rows[sunny[light.places(block.index[rows])]]
+            parts.append((rows + block.start, block.times[rows], poa[rows]))
+        if self.note_parts("negative by day", "poa_global", parts):
             self.look_again()
-        rows = count_rows(
-            self.fault_spans.get("negative by day", {}).get("poa_global", spans([]))
-        )
+        by_day = sum(len(rows) for rows, *_ in parts)
         beyond = self.look.columns["poa_global"].rows_of("out of range")[2]
-        return sum(below) - rows - int((beyond < 0).sum())
+        return below - by_day - int((beyond < 0).sum())
 
     def light_by_night(self) -> None:
         """Take irradiance out that is there at night, where other nights are dark."""
-        days = np.array(sorted(self.look.days))
-        parts = light_by_night(self.clean, days, self.look.step, self.limits)
-        if parts and sum(len(rows) for rows, *_ in parts):
-            self.note("light by night", "poa_global", *map(np.concatenate, zip(*parts)))
+        parts = light_by_night(self.clean, self.days, self.look.step, self.limits)
+        if self.note_parts("light by night", "poa_global", parts):
             self.look_again()
 
-    def light(self) -> set[int]:
-        """Parts of days that are light on the days around, as numbers."""
-        sums, counts, negative = Counter(), Counter(), set()
-        for block in self.clean.blocks(("poa_global",)):
-            poa = block["poa_global"]
-            day, slot = slots(block.index, self.limits)
-            keys, place = np.unique(day * PARTS + slot, return_inverse=True)
-            there = poa >= 0
-            total = np.bincount(place[there], poa[there], len(keys))
-            number = np.bincount(place[there], minlength=len(keys))
-            for key, one, many in zip(keys.tolist(), total, number):
-                sums[key] += one
-                counts[key] += many
-            negative.update(keys[np.unique(place[poa < 0])].tolist())
-        keys = np.array(sorted(sums))
-        mean = [sums[k] / counts[k] if counts[k] else np.nan for k in keys.tolist()]
-        days = [keys // PARTS, keys % PARTS]
-        usual = pd.Series(mean, days).unstack()  # noqa: PD010  of an index
-        light = is_light(usual, days[0], days[1], self.limits)
-        return set(keys[light].tolist()) & negative
+    @property
+    def days(self) -> np.ndarray:
+        """Sorted days with rows, since 1970-01-01."""
+        return np.array(sorted(self.look.days))
 
     def ends(self) -> None:
         """Take out the end of a sensor's range; the offset of a night is 0."""
@@ -321,9 +303,7 @@ class Screener:
                 parts.append((rows + block.start, block.times[rows], values[rows]))
                 there = np.isin(values, ends)
                 since = max(since, seconds[there].max(initial=since))
-            if parts:
-                self.note("end of range", name, *map(np.concatenate, zip(*parts)))
-                again = True
+            again |= self.note_parts("end of range", name, parts)
         if again:
             self.look_again()
         self.clean = self.clean.clipped()

@@ -15,6 +15,7 @@ import pvlib_fem as fem
 from pvlib_fem import simulator
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.names import usual_name
+from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._noon import solar_noon_shift
 from pvlib_fem.reasons import Reason
 
@@ -709,3 +710,15 @@ def test_a_record_number_is_no_cause(plant):
     assert "since is a copy of the time: not used" in notes
     assert "again is a copy of a count: not used" in notes
     assert "fan is" not in notes
+
+
+@pytest.mark.parametrize("part", [700.0, 1800.0, 5000.0])
+def test_light_is_where_it_is_in_parts_of_a_day_of_any_length(part):
+    """A part of the day need not divide it."""
+    data = simulator.record(
+        effects=simulator.PHYSICS, days=8, step=600, start="2023-06-01"
+    )
+    place = data.columns.get_loc("poa_global")
+    data.iloc[[72, 144], place] = -50.0, 300.0  # noon, and midnight
+    found = fem.screen_record(data, Limits(daylight_tolerance=part))
+    assert [*found.counts["kind"]] == ["negative by day", "light by night"]

@@ -15,10 +15,10 @@ from scipy.signal import lfilter
 import pvlib_fem as fem
 from pvlib_fem import close_loop, datasets, simulator
 from pvlib_fem.quality._check import check, stuck_rows
+from pvlib_fem.quality._light_table import packed
 from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._module_lag import clock_shift
 from pvlib_fem.quality._noon import solar_noon_shift
-from pvlib_fem.quality._outliers import packed
 from pvlib_fem.quality._stuck import Standing, most_kept
 from pvlib_fem.quality._unit_checks import doubtful
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, RHINE

@@ -1,11 +1,11 @@
-"""Irradiance at times of night at which the nights around are dark."""
+"""How light each time of each day is: what is day by it, and what is night."""
 
 import numpy as np
 import pandas as pd
+from scipy.ndimage import maximum_filter1d
 
 from pvlib_fem._record.clean import CleanRecord
 from pvlib_fem.quality._limits import Limits
-from pvlib_fem.quality._outliers import packed, slots
 
 #: at the equator, and anywhere in winter, the day ends within that from noon [days]
 HALF_DAY = 0.25
@@ -14,7 +14,7 @@ LIT = 0.25  # share of their rows from which they are lit
 FEWEST = 3  # days around that have rows then
 
 
-class NightLight:
+class LightTable:
     """
     How light each time of each day is, from blocks of a record.
 
@@ -23,11 +23,12 @@ class NightLight:
     days : array of int, shape (days,)
         Sorted days with rows, since 1970-01-01.
     limits : Limits
+        ``daylight_tolerance`` is the length of a part of the day.
     """
 
     def __init__(self, days: np.ndarray, limits: Limits) -> None:
         self.limits = limits
-        self.parts = round(86400.0 / limits.daylight_tolerance)
+        self.parts = int(np.ceil(86400.0 / limits.daylight_tolerance))
         self.days = days
         self.row = packed(days, max(limits.noon_window, limits.daylight_window))
         shape = self.row[-1] + 1, self.parts
@@ -47,6 +48,17 @@ class NightLight:
             sums = np.bincount(place, weight, table.size)
             table += sums.reshape(table.shape)
 
+    @property
+    def mean(self) -> np.ndarray:
+        """Mean irradiance; 0 where nothing is known. [W/m²]"""
+        return self.sum / np.maximum(self.known, 1.0)
+
+    def sunny(self) -> np.ndarray:
+        """Whether one of the days around is sunny then, by that number."""
+        days = 2 * self.limits.daylight_window + 1
+        most = maximum_filter1d(self.mean, days, axis=0, mode="constant")
+        return (most > self.limits.min_sunny_irradiance).ravel()
+
     def dark(self) -> np.ndarray:
         """Whether light is an accident then, by that number."""
         known, lit = with_adjacent(self.known), with_adjacent(self.lit)
@@ -62,12 +74,63 @@ class NightLight:
 
     def far_from_noon(self) -> np.ndarray:
         """Whether a time of a day is more than a quarter of a day from its noon."""
-        mean = self.sum / np.maximum(self.known, 1.0)
         part = (np.arange(self.parts) + 0.5) / self.parts
-        turn = sums_around(mean, self.limits.noon_window) @ np.exp(2j * np.pi * part)
+        turn = sums_around(self.mean, self.limits.noon_window) @ np.exp(
+            2j * np.pi * part
+        )
         noon = np.angle(turn) / (2.0 * np.pi)
         far = np.abs((part - noon[:, None] + 0.5) % 1.0 - 0.5)
         return far > HALF_DAY + 1.0 / self.parts
+
+
+def slots(index: pd.DatetimeIndex, limits: Limits) -> tuple[np.ndarray, np.ndarray]:
+    """
+    Number of each row's day, and of its part of the day.
+
+    Parameters
+    ----------
+    index : pandas.DatetimeIndex, shape (rows,)
+        Of a zone the wall times count.
+    limits : Limits
+        ``daylight_tolerance`` is the length of a part.
+
+    Returns
+    -------
+    day : numpy.ndarray of int, shape (rows,)
+        Days since 1970-01-01.
+    part : numpy.ndarray of int, shape (rows,)
+        From 0 at midnight.
+    """
+    local = (index if index.tz is None else index.tz_localize(None)).to_numpy()
+    counts = local.view("i8")
+    length = np.timedelta64(1, "D") // np.timedelta64(1, index.unit)
+    day = counts // length
+    part = limits.daylight_tolerance * length / 86400.0
+    return day, ((counts - day * length) / part).astype(int)
+
+
+def packed(days: np.ndarray, side: int) -> np.ndarray:
+    """
+    Number days anew, with gaps no longer than a window reaches.
+
+    A table of these numbers has few rows for a record with a stray time, which can be
+    millennia from all others.
+
+    Parameters
+    ----------
+    days : numpy.ndarray of int, shape (n,)
+        Sorted days, such as those of :func:`slots`.
+    side : int
+        Days on each side of a window. [days]
+
+    Returns
+    -------
+    numpy.ndarray of int, shape (n,)
+        From 0. Days that are up to ``side`` days apart stay so, and others are at least
+        one more.
+    """
+    gaps = np.diff(days, prepend=days[:1])
+    return np.cumsum(np.minimum(gaps, side + 1))
 
 
 def with_adjacent(table: np.ndarray) -> np.ndarray:
@@ -115,7 +178,7 @@ def light_by_night(
     """
     if step > limits.max_noon_step:
         return []
-    nights = NightLight(days, limits)
+    nights = LightTable(days, limits)
     for block in clean.blocks(("poa_global",)):
         nights.add(block.index, block["poa_global"])
     dark, parts = nights.dark(), []
