@@ -1,14 +1,12 @@
 """Resume a recovery from a file, and add results to it."""
 
 import hashlib
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from pvlib_fem._loop.loop_result import Loop
-from pvlib_fem._recovery.judge import Outcome
 from pvlib_fem._recovery.recovery_result import Recovery
 from pvlib_fem._spelling import written_argument
 
@@ -52,109 +50,24 @@ def resumed(new: Recovery, path: Any) -> Recovery:
     return there
 
 
-def of_plan(
-    recovery: Recovery, planned: list, notes: dict, loop: Loop, effects: tuple
-) -> Recovery:
+def in_plan(done: Iterable, planned: Sequence) -> tuple:
     """
-    The recovery with the outcomes of the present plan.
+    What is done of a plan, in its order.
 
     Parameters
     ----------
-    recovery : Recovery
-        Perhaps with outcomes of a file.
-    planned : list of Injection
-        The plan; other outcomes are dropped.
-    notes : dict of str
-        Effects that are not injected, and why.
-    loop : Loop
-        Of the record itself, whose findings are the baseline.
-    effects : tuple of Effect
-        Effects that the loop tests, for the units of their coefficients.
+    done : iterable of Outcome or of Trial
+        Perhaps with some of another plan, as a file may have; they are dropped.
+    planned : sequence
+        Key of each injection or trial, in order.
 
     Returns
     -------
-    Recovery
-        A copy.
+    tuple of Outcome or of Trial
     """
-    keys = {injection.key for injection in planned}
-    units = {e.name: {n: r.unit for n, r in e.rows().items()} for e in effects}
-    return replace(
-        recovery,
-        outcomes=tuple(one for one in recovery.outcomes if one.injection.key in keys),
-        planned=len(planned),
-        baseline=loop.finding_objects,
-        units=units,
-        notes=notes,
-    )
-
-
-def of_trials(recovery: Any, planned: list, why: Any) -> Any:
-    """
-    The recovery with the trials of the present plan, and why others cannot be.
-
-    Parameters
-    ----------
-    recovery : Recovery
-        Perhaps with trials of a file.
-    planned : list of tuple
-        Kind and number of each trial; other trials are dropped.
-    why : dict of str
-        Kinds of scrambling that the record does not allow, and why.
-
-    Returns
-    -------
-    Recovery
-        A copy.
-    """
-    trials = tuple(trial for trial in recovery.trials if trial.key in planned)
-    count = len(planned)
-    return replace(recovery, trials=trials, planned_trials=count, not_scrambled=why)
-
-
-def with_trial(recovery: Recovery, trial: Any, planned: list) -> Any:
-    """
-    The recovery with one more trial, in the order of the plan.
-
-    Parameters
-    ----------
-    recovery : Recovery
-        With trials of the plan alone.
-    trial : Trial
-        The new one.
-    planned : list of tuple
-        Kind and number of each trial.
-
-    Returns
-    -------
-    Recovery
-        A copy.
-    """
-    trials = sorted([*recovery.trials, trial], key=lambda one: planned.index(one.key))
-    return replace(recovery, trials=tuple(trials))
-
-
-def with_outcome(recovery: Recovery, outcome: Outcome, planned: list) -> Recovery:
-    """
-    The recovery with one more outcome, in the order of the plan.
-
-    Parameters
-    ----------
-    recovery : Recovery
-        With outcomes of the plan alone.
-    outcome : Outcome
-        The new one.
-    planned : list of Injection
-        The plan.
-
-    Returns
-    -------
-    Recovery
-        A copy.
-    """
-    order = {injection.key: i for i, injection in enumerate(planned)}
-    outcomes = [*recovery.outcomes, outcome]
-    outcomes = sorted(outcomes, key=lambda one: order[one.injection.key])
-    return replace(recovery, outcomes=tuple(outcomes))
+    order = {key: i for i, key in enumerate(planned)}
+    kept = (one for one in done if one.key in order)
+    return tuple(sorted(kept, key=lambda one: order[one.key]))
 
 
 def said_all(

@@ -17,10 +17,10 @@ from pvlib_fem._stored import as_json
 from pvlib_fem.effects import EFFECTS, find, several
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import (
-    TIME_PROFILES,
-    TimeProfile,
     date_text,
     dates_in_words,
+    is_drift,
+    time_profile_of,
     weights_of,
 )
 from pvlib_fem.reasons import Because, Reason, because
@@ -192,8 +192,8 @@ def dated_draws(
     random = generator(effect, seed)
     if not effect.sensor_fault:
         return [Draw(effect, number) for number in range(draws)], None
-    time_profile = time_profile_of(effect)
-    dates = [DATES[time_profile.name](days, side, random) for _ in range(draws)]
+    drawn = DATES[time_profile_of(effect)]
+    dates = [drawn(days, side, random) for _ in range(draws)]
     if None in dates:
         return [], because(Reason.NO_DATE)
     return [Draw(effect.make(**one), number) for number, one in enumerate(dates)], None
@@ -202,27 +202,6 @@ def dated_draws(
 def generator(effect: Effect, seed: int) -> np.random.Generator:
     """Random numbers of an effect, independent of the other effects."""
     return np.random.default_rng([seed, zlib.crc32(effect.name.encode())])
-
-
-def time_profile_of(effect: Effect) -> TimeProfile:
-    """
-    The time profile of a sensor fault.
-
-    Parameters
-    ----------
-    effect : Effect
-        A sensor fault, whose name ends with the time profile.
-
-    Returns
-    -------
-    TimeProfile
-        The step, trend or temporary change.
-    """
-    return next(
-        one
-        for one in TIME_PROFILES
-        if effect.name == f"{effect.sensor_fault}_{one.name}"
-    )
 
 
 def drawn_step(days: np.ndarray, side: int, random: np.random.Generator) -> dict | None:
@@ -320,11 +299,9 @@ def holds_truth(
     if effect.name not in finding.candidates:
         return False
     leading = effects[finding.effect]
-    time_profile = effect.name.removeprefix(effect.sensor_fault)
-    if (
-        not effect.sensor_fault
-        or leading.name != f"{leading.sensor_fault}{time_profile}"
-    ):
+    if not (effect.sensor_fault and leading.sensor_fault):
+        return True
+    if time_profile_of(leading) != time_profile_of(effect):
         return True
     return same_days(effect, leading, days)
 
@@ -345,7 +322,7 @@ def same_days(one: Effect, other: Effect, days: np.ndarray) -> bool:
     bool
         True if half of the days of either are days of both, and for trends always.
     """
-    if time_profile_of(one).name == "drift":
+    if is_drift(one):
         return True
     a, b = (weights_of(effect, days) > 0.0 for effect in (one, other))
     return bool((a & b).sum() >= SAME * (a | b).sum())

@@ -65,6 +65,11 @@ class Outcome:
     half_range: AnyFloat = np.nan
     refused: str = ""
 
+    @property
+    def key(self) -> str:
+        """Key of its injection."""
+        return self.injection.key
+
 
 def recovered(
     data: pd.DataFrame, injector: Any, baseline: tuple, how: dict, injection: Injection

@@ -1,6 +1,7 @@
 """Which effects would be found on a plant, and from which size?"""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,15 +19,7 @@ from pvlib_fem._loop.progress import item_counter
 from pvlib_fem._loop.replacements import Replacements
 from pvlib_fem._parallel import spread
 from pvlib_fem._record.column_names import ALWAYS
-from pvlib_fem._recovery.checkpoint import (
-    digest,
-    of_plan,
-    of_trials,
-    resumed,
-    said_all,
-    with_outcome,
-    with_trial,
-)
+from pvlib_fem._recovery.checkpoint import digest, in_plan, resumed, said_all
 from pvlib_fem._recovery.draw import Draw, injectable_effects
 from pvlib_fem._recovery.inject import Injector
 from pvlib_fem._recovery.judge import recovered
@@ -204,15 +197,28 @@ def recover_effects(
     if not planned and not reliability:
         reasons = "; ".join(f"{name}: {why}" for name, why in notes.items())
         raise ValueError(f"there is nothing to put into this record: {reasons}")
-    result = of_plan(result, planned, notes, loop, search.case.wanted)
-    done = {outcome.injection.key for outcome in result.outcomes}
+    keys = [injection.key for injection in planned]
+    units = {
+        effect.name: {name: row.unit for name, row in effect.rows().items()}
+        for effect in search.case.wanted
+    }
+    result = replace(
+        result,
+        outcomes=in_plan(result.outcomes, keys),
+        planned=len(planned),
+        baseline=loop.finding_objects,
+        units=units,
+        notes=notes,
+    )
+    done = {outcome.key for outcome in result.outcomes}
     tasks = [(injection,) for injection in planned if injection.key not in done]
     how |= {"model": model, **place}
     injector = Injector.from_loop(search, loop)
     shared: tuple = (data, injector, loop.finding_objects, how)
     with item_counter(len(planned), len(done), progress, "put in") as report:
         for outcome in spread(recovered, tasks, processes, shared):
-            result = with_outcome(result, outcome, planned)
+            outcomes = in_plan([*result.outcomes, outcome], keys)
+            result = replace(result, outcomes=outcomes)
             if path is not None:
                 result.to_json(path)
             report(outcome.injection.effect)
@@ -221,13 +227,18 @@ def recover_effects(
     scrambler = Scrambler.from_loop(search, loop, injector, data, holdout)
     kinds, why = scrambler.kinds()
     kept = [(kind, number) for kind in kinds for number in range(trials)]
-    result = of_trials(result, kept, why)
-    done = {trial.key for trial in result.trials}
-    tasks = [key for key in kept if key not in done]
+    result = replace(
+        result,
+        trials=in_plan(result.trials, kept),
+        planned_trials=len(kept),
+        not_scrambled=why,
+    )
+    ready = {trial.key for trial in result.trials}
+    tasks = [key for key in kept if key not in ready]
     shared = (scrambler, how, seed)
-    with item_counter(len(kept), len(done), progress, "scrambled") as report:
+    with item_counter(len(kept), len(ready), progress, "scrambled") as report:
         for trial in spread(trial_of, tasks, processes, shared):
-            result = with_trial(result, trial, kept)
+            result = replace(result, trials=in_plan([*result.trials, trial], kept))
             if path is not None:
                 result.to_json(path)
             report(trial.what)

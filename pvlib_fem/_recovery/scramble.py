@@ -15,12 +15,11 @@ from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._record.checks import usual_step
 from pvlib_fem._record.column_names import ANGLES, GEOMETRY
-from pvlib_fem._recovery.draw import time_profile_of
 from pvlib_fem.drivers import geometry, needed_for
 from pvlib_fem.effects import EFFECTS
+from pvlib_fem.effects._time_profiles import YEAR, time_profile_of
 from pvlib_fem.quality._screen import labels_of
 
-YEAR = 365.2425  # days
 WEEK, QUARTER = 7, 91  # days that stay together when dates are scrambled
 DAY = 86_400_000_000_000  # ns
 SAME = 0.5  # largest share of its own variance that a moved column may explain
@@ -174,7 +173,7 @@ class Scrambler:
         holdout = None if self.holdout is None else self.holdout[kept]
         changes = [effect for effect in self.tried if effect.sensor_fault]
         if length == QUARTER:
-            changes = [one for one in changes if time_profile_of(one).name != "episode"]
+            changes = [one for one in changes if time_profile_of(one) != "episode"]
         words = f"{'weeks' if length == WEEK else 'quarters'} exchanged between years"
         return record, holdout, {one.name for one in changes}, words
 
