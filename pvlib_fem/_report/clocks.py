@@ -51,9 +51,8 @@ def of_file(rows: Rows, correction: Correction) -> Picture | None:
     minutes = noon.days.to_numpy() / 60.0
     if len(days) < 2:
         return None
-    series = clock_before_and_after(
-        rows, correction, days, minutes, added_minutes(rows.loop.times, days)
-    )
+    added = added_minutes(rows.loop.times, days)
+    series = clock_before_and_after(correction, days, minutes, added)
     caption = "Middle of each day's light minus that of the sun at the location"
     return rows.by_date(series, "ahead of the sun [min]", caption)
 
@@ -68,7 +67,7 @@ def of_module(rows: Rows, correction: Correction) -> Picture | None:
     late = np.zeros(len(days))
     if (times := rows.loop.times) is not None:
         late = times.module.late_at(np.asarray(seconds)) / 60.0
-    series = clock_before_and_after(rows, correction, days, minutes, -late)
+    series = clock_before_and_after(correction, days, minutes, -late)
     caption = (
         "Middle of each day's temperature rise of the module minus that of its "
         "irradiance; a module answers some minutes late"
@@ -77,7 +76,6 @@ def of_module(rows: Rows, correction: Correction) -> Picture | None:
 
 
 def clock_before_and_after(
-    rows: Rows,
     correction: Correction,
     days: pd.DatetimeIndex,
     minutes: np.ndarray,

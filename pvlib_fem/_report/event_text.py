@@ -239,7 +239,7 @@ def event_span(row: pd.Series | Mapping[Hashable, Any]) -> str:
     return f"{start:%Y-%m-%d %H:%M} to {until}"
 
 
-def largest_events(events: pd.DataFrame, most: int = MOST) -> str:
+def largest_events(events: pd.DataFrame) -> str:
     """
     The largest events in words, and how many more there are.
 
@@ -247,14 +247,12 @@ def largest_events(events: pd.DataFrame, most: int = MOST) -> str:
     ----------
     events : DataFrame
         Rows of ``loop.events``, the largest first.
-    most : int, default 3
-        Number of events in words.
 
     Returns
     -------
     str
     """
     rows = events.to_dict("records")
-    parts = [event_words(row) for row in rows[:most]]
+    parts = [event_words(row) for row in rows[:MOST]]
     more = len(rows) - len(parts)
     return "; ".join([*parts, *([f"{more} more in loop.events"] if more else [])])

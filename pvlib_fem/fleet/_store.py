@@ -169,7 +169,7 @@ def check_labels(table: pd.DataFrame) -> None:
         )
 
 
-def write_tables(out: FilePath, table: pd.DataFrame, task: str) -> dict[str, int]:
+def write_tables(out: FilePath, table: pd.DataFrame, task: str) -> None:
     """
     Make the tables of all results; a failed write leaves the old tables.
 
@@ -179,17 +179,11 @@ def write_tables(out: FilePath, table: pd.DataFrame, task: str) -> dict[str, int
     table : DataFrame
         An opened table of systems: its rows are the rows of the result, in order.
     task : str
-
-    Returns
-    -------
-    dict of int
-        Systems by state.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     schemas = schemas_of(table)
-    counts = dict.fromkeys(("done", "failed", "not run"), 0)
     rows: dict[str, list[dict[str, Any]]] = {name: [] for name in TABLES}
     paths = [replacing(Path(out, f"{name}.parquet")) for name in TABLES]
     with paths[0] as a, paths[1] as b, paths[2] as c:
@@ -208,17 +202,13 @@ def write_tables(out: FilePath, table: pd.DataFrame, task: str) -> dict[str, int
 
         try:
             for i, system in enumerate(systems_of(table), 1):
-                state = append_result(
-                    rows, system, stored_content(out, system.id), task
-                )
-                counts[state] += 1
+                append_result(rows, system, stored_content(out, system.id), task)
                 if i % GROUP == 0:
                     flush()
             flush()
         finally:
             for writer in writers.values():
                 writer.close()
-    return counts
 
 
 def schemas_of(table: pd.DataFrame) -> "dict[str, Schema]":
@@ -248,8 +238,8 @@ def append_result(
     system: System,
     content: dict[str, Any] | None,
     task: str,
-) -> str:
-    """Append the content of a system's file to the tables; return its state."""
+) -> None:
+    """Append the content of a system's file to the tables."""
     head: dict[str, Any] = {"state": "not run", "message": ""}
     if content:
         head = content["fleet"]
@@ -269,7 +259,6 @@ def append_result(
         json_ = json_text(one["content"]) if "content" in one else None
         head_ = {"id": system.id, "site": system.labels["site"], "json": json_}
         rows["findings"].append({**one, **head_})
-    return head["state"]
 
 
 def with_infinities(row: Mapping[str, Any], schema: "Schema") -> dict[str, Any]:

@@ -14,7 +14,7 @@ from pvlib_fem.quality._clock_changes import (
     zone_offsets,
     zones_around,
 )
-from pvlib_fem.quality._hours import date_span, listed_jumps, offsets
+from pvlib_fem.quality._hours import MOST, date_span, listed_jumps, offsets
 from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._noon import SolarNoon, solar_noon_shift, universal
 from pvlib_fem.quality._onset import DAY
@@ -245,7 +245,7 @@ def by_segments(
     return index[kept] - pd.to_timedelta(late, unit="s"), kept
 
 
-def of_segments(noon: SolarNoon, most: int = 4) -> str:
+def of_segments(noon: SolarNoon) -> str:
     """How far each stretch was off, in words."""
     parts, hours = [], noon.hours
     days = [day.date() for day, _ in noon.jumps]
@@ -255,19 +255,17 @@ def of_segments(noon: SolarNoon, most: int = 4) -> str:
             since = f" from {days[i - 1]}" if i else ""
             until = f" until {days[i]}" if i < len(days) else " on"
             parts.append(f"{abs(late) / 60:.0f} min {way}{since}{until}")
-    if len(parts) > most:
+    if len(parts) > MOST:
         worst = max(abs(late) for _, late in hours) / 60
         return f"off by {worst:.0f} min at most, with jumps {date_span(noon.jumps)}"
     return ", ".join(parts)
 
 
-def changes_text(due: Sequence, most: int = 4) -> str:
+def changes_text(due: Sequence) -> str:
     """The changes of a zone's clock in words."""
-    return (
-        listed_jumps(due)
-        if len(due) <= most
-        else f"{len(due)} changes {date_span(due)}"
-    )
+    if len(due) <= MOST:
+        return listed_jumps(due)
+    return f"{len(due)} changes {date_span(due)}"
 
 
 def may_be_transition(

@@ -1,12 +1,13 @@
 """Days, offsets and words of a clock that is off."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from pvlib_fem.quality._onset import DAY
+
+MOST = 4  # jumps that are listed one by one
 
 
 def hours_of(blocks: list, changes: list) -> tuple:
@@ -128,7 +129,7 @@ def days_of(origin: pd.Timestamp, seconds: list | np.ndarray) -> pd.DatetimeInde
     return (origin + pd.TimedeltaIndex(half_on)).normalize()
 
 
-def listed_jumps(jumps: Any, most: int = 4) -> str:
+def listed_jumps(jumps: Sequence) -> str:
     """
     Sizes of jumps and their dates in words; of many the first, last and number.
 
@@ -136,15 +137,13 @@ def listed_jumps(jumps: Any, most: int = 4) -> str:
     ----------
     jumps : sequence of tuple
         First day after each jump, a ``Timestamp``, and its size. [s]
-    most : int, default 4
-        Jumps that are given one by one.
 
     Returns
     -------
     str
         Sizes in minutes.
     """
-    if len(jumps) <= most:
+    if len(jumps) <= MOST:
         return ", ".join(f"{by / 60:+.0f} min on {day.date()}" for day, by in jumps)
     sizes = sorted({abs(by) / 60 for _, by in jumps})
     ends = f"{sizes[0]:.0f}" + (f" to {sizes[-1]:.0f}" if len(sizes) > 1 else "")

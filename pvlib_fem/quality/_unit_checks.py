@@ -87,7 +87,7 @@ def doubtful(columns: Columns, limits: Limits | None = None) -> dict[str, str]:
     return reasons
 
 
-def refuse_doubtful(columns: Columns, limits: Limits | None = None) -> None:
+def refuse_doubtful(columns: Columns, limits: Limits) -> None:
     """
     Refuse drivers that look to be in another unit.
 
@@ -95,7 +95,7 @@ def refuse_doubtful(columns: Columns, limits: Limits | None = None) -> None:
     ----------
     columns : Columns
         As of :func:`doubtful`.
-    limits : Limits, optional
+    limits : Limits
         The thresholds.
 
     Raises
@@ -348,9 +348,7 @@ def foreign(unit: str, why: str, *columns: str) -> UnitDoubt:
     )
 
 
-def refuse_units(
-    inputs: Inputs, limits: Limits | None = None, late: bool = False
-) -> None:
+def refuse_units(inputs: Inputs, limits: Limits, late: bool = False) -> None:
     """
     Refuse a column that looks to be in another unit, or not what its name says.
 
@@ -362,7 +360,7 @@ def refuse_units(
     ----------
     inputs : Inputs
         With the four columns that every fit needs.
-    limits : Limits, optional
+    limits : Limits
         The thresholds.
     late : bool, default False
         Accept a module whose clock is off by hours, where its units are right.
@@ -376,20 +374,20 @@ def refuse_units(
     ValueError
         If a column is a copy, its unit is uncertain, or a clock is off by hours.
     """
-    odd, off = suspected(inputs, record_signs(inputs), limits or Limits())
+    odd, off = suspected(inputs, record_signs(inputs), limits)
     if odd or (off and not late):
         raise (odd or of_hours(off)).error()
 
 
 def suspected(inputs: Inputs, evidence: Signs | None, limits: Limits) -> tuple:
     """What looks wrong by one clock, and how far the module's is off for that."""
-    if not (odd := evidence and suspicion(inputs, evidence, limits)):
+    if not (odd := evidence and suspicion(inputs, evidence)):
         return None, None
     if (off := module_lag(inputs, limits)) is None:
         return odd, None
     retimed_inputs = in_step(inputs, off)
     evidence = record_signs(retimed_inputs)
-    return evidence and suspicion(retimed_inputs, evidence, limits), off
+    return evidence and suspicion(retimed_inputs, evidence), off
 
 
 def of_hours(off: Any) -> UnitDoubt:
@@ -455,7 +453,7 @@ def is_copy(one: np.ndarray, other: np.ndarray) -> bool:
     return bool(both.any())
 
 
-def suspicion(inputs: Inputs, evidence: Signs, limits: Limits) -> UnitDoubt | None:
+def suspicion(inputs: Inputs, evidence: Signs) -> UnitDoubt | None:
     """What the signs of a record say of a copy, swapped columns or another unit."""
     bright, slope, night, hot = (
         evidence.bright,
