@@ -1,6 +1,5 @@
 """A sensor that is stuck while its driver changes."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from typing import Any
 
@@ -199,41 +198,30 @@ def at_rest(name: str, values: np.ndarray, rest: float) -> np.ndarray:
     return values >= rest if name == "relative_humidity" else values <= rest
 
 
-def seen_by(name: str, columns: dict) -> np.ndarray:
-    """A column, or what two of them make: over-temperature, and where it is warm."""
-    if name in columns:
-        return columns[name]
-    over = columns["temp_module"] - columns["temp_air"]
-    return over if name == "over" else np.maximum(over, 0.0)
-
-
 def too_long(runs: Runs, limits: Limits) -> np.ndarray:
     """Repetitions that are odd for the column, or last while others move for days."""
     return runs.odd | (runs.time > limits.stale_calm_window)
 
 
-def still_irradiance(
-    runs: Runs, extent: Callable, steps: dict, limits: Limits
-) -> np.ndarray:
+def still_irradiance(runs: Runs, extents: "Extents", limits: Limits) -> np.ndarray:
     night = (runs.value <= limits.min_light) & (runs.time <= limits.stale_day_window)
-    # a late clock has the sun at night; frost cools a module, and snow keeps it warm
-    warm = extent("warmth", limits.max_onset_shift) > limits.min_temperature_response
-    warm &= (
-        extent("temp_module", limits.max_onset_shift) > limits.min_temperature_response
+    over, warmth, module = (
+        extents.extent("poa_global", other) > limits.min_temperature_response
+        for other in ("over", "warmth", "temp_module")
     )
-    return (extent("over") > limits.min_temperature_response) & (~night | warm)
+    # a late clock has the sun at night; frost cools a module, and snow keeps it warm
+    return over & (~night | (warmth & module))
 
 
-def still_air(runs: Runs, extent: Callable, steps: dict, limits: Limits) -> np.ndarray:
-    moved = extent("temp_module") > limits.min_temperature_response
+def still_air(runs: Runs, extents: "Extents", limits: Limits) -> np.ndarray:
+    moved = extents.extent("temp_air", "temp_module") > limits.min_temperature_response
     return moved & (runs.time > limits.stale_air_window)
 
 
-def still_module(
-    runs: Runs, extent: Callable, steps: dict, limits: Limits
-) -> np.ndarray:
-    of_sun = extent("felt") > limits.min_bright_irradiance
-    of_air = extent("temp_air") > limits.temperature_tolerance + 2 * sum(steps.values())
+def still_module(runs: Runs, extents: "Extents", limits: Limits) -> np.ndarray:
+    of_sun = extents.extent("temp_module", "felt") > limits.min_bright_irradiance
+    least = limits.temperature_tolerance + 2 * sum(extents.steps.values())
+    of_air = extents.extent("temp_module", "temp_air") > least
     of_air &= runs.time > limits.stale_air_window
     melting = (np.abs(runs.value) <= limits.temperature_tolerance) & (
         runs.time <= limits.stale_day_window
@@ -266,15 +254,16 @@ def still_driver(name: str, runs: Runs, rest: float, limits: Limits) -> np.ndarr
     return runs.odd & (runs.time > most)
 
 
-#: what each column is seen by, and the margin within its repetitions
+#: by column: what moves it or is moved by it, and how far from the ends of a repetition
+#: that is looked at, as a field of the limits
 SEEN_BY = {
-    "temp_module": (("felt", ""), ("temp_air", "")),
-    "poa_global": (
-        ("over", ""),
-        ("warmth", "max_onset_shift"),
-        ("temp_module", "max_onset_shift"),
-    ),
-    "temp_air": (("temp_module", ""),),
+    "temp_module": {"felt": "", "temp_air": ""},
+    "poa_global": {
+        "over": "",
+        "warmth": "max_onset_shift",
+        "temp_module": "max_onset_shift",
+    },
+    "temp_air": {"temp_module": ""},
 }
 
 
@@ -307,8 +296,8 @@ def frozen(
             clean, {name: seen[name] for name in untested}, limits
         )
         for name in list(untested):
-            runs, extent = seen[name], extents.taker(name)
-            kept = STILL[name](runs, extent, extents.steps, limits)
+            runs = seen[name]
+            kept = STILL[name](runs, extents, limits)
             untested.remove(name)
             if kept.any():
                 spans[name] = runs.some(kept).spans
@@ -343,8 +332,8 @@ class Extents:
         steps = dict.fromkeys(("temp_air", "temp_module"), np.inf)
         extents = cls(standing, limits, steps)
         for name, runs in standing.items():
-            for key in SEEN_BY[name]:
-                extents.bounds[name, *key] = np.full((3, len(runs.first)), np.nan)
+            for other in SEEN_BY[name]:
+                extents.bounds[name, other] = np.full((3, len(runs.first)), np.nan)
         if extents.bounds:
             for block in clean.blocks(tuple(POSSIBLE)):
                 extents.add(block)
@@ -353,24 +342,24 @@ class Extents:
 
     def add(self, block: Block) -> None:
         columns = dict(block.inputs.columns)
-        others = {other for _, other, _ in self.bounds}
+        others = {other for _, other in self.bounds}
         if "felt" in others:
             columns["felt"] = self.as_felt(block)
             for name in self.steps:
                 self.resolve(name, columns[name])
-        for name in {"over", "warmth"} & others:
-            columns[name] = seen_by(name, columns)
+        columns["over"] = columns["temp_module"] - columns["temp_air"]
+        columns["warmth"] = np.maximum(columns["over"], 0.0)
         for name, runs in self.standing.items():
             end = runs.last >= block.start
             near = np.flatnonzero(end & (runs.first < block.start + len(block)))
             if not len(near):
                 continue
             some = runs.some(near)
-            for other, margin in SEEN_BY[name]:
+            for other, margin in SEEN_BY[name].items():
                 inner = getattr(self.limits, margin) if margin else 0.0
                 first, end = rows_inside(block, some, inner)
                 kept = end > first
-                bounds = self.bounds[name, other, margin]
+                bounds = self.bounds[name, other]
                 merge(bounds, near[kept], columns[other], first[kept], end[kept])
 
     def as_felt(self, block: Block) -> np.ndarray:
@@ -393,15 +382,10 @@ class Extents:
         self.before[name] = values[-1]
         self.steps[name] = float(change.min(initial=self.steps[name]))
 
-    def taker(self, name: str) -> Callable:
-        """What tells the extent of another column in repetitions of one."""
-
-        def extent(other: str, margin: float = 0.0) -> np.ndarray:
-            key = name, other, "max_onset_shift" if margin else ""
-            low, high, _ = self.bounds[key]
-            return np.nan_to_num(high - low)
-
-        return extent
+    def extent(self, name: str, other: str) -> np.ndarray:
+        """Largest less least value of another column in each repetition of one."""
+        low, high, _ = self.bounds[name, other]
+        return np.nan_to_num(high - low)
 
 
 def rows_inside(
