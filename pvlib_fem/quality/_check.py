@@ -17,7 +17,7 @@ from pvlib_fem.quality._module_lag import Clock, clock_shift
 from pvlib_fem.quality._noon import SolarNoon, solar_noon_shift
 from pvlib_fem.quality._screening import stuck_rows
 from pvlib_fem.quality._stray_times import refuse_stray
-from pvlib_fem.quality._stuck import refuse_frozen, stuck_line
+from pvlib_fem.quality._stuck import refuse_always_stuck, stuck_line
 from pvlib_fem.quality._unit_checks import doubtful, in_step, module_lag
 
 
@@ -112,7 +112,7 @@ def check(
     limits = limits or Limits()
     refuse_stray(record.index, limits)
     frozen = frozen_in(record, limits)
-    refuse_frozen(record, frozen)
+    refuse_always_stuck(record, frozen)
     clock = clock_shift(record, unusable_rows(frozen), limits)
     place = (location, surface_tilt, surface_azimuth)
     light = record["poa_global"] if light is None else light

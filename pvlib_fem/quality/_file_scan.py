@@ -12,7 +12,7 @@ from pvlib_fem._record.clean import NONE, CleanRecord, rows_in_spans
 from pvlib_fem._record.inputs import Inputs
 from pvlib_fem._record.parquet import Block, ParquetRecord
 from pvlib_fem._record.ranges import NO_CODE, as_codes, possible_range
-from pvlib_fem.quality._limits import FASTEST, POSSIBLE, Limits
+from pvlib_fem.quality._limits import DRIVERS, FASTEST, POSSIBLE, Limits
 from pvlib_fem.quality._outliers import (
     is_switch,
     jumps,
@@ -20,8 +20,8 @@ from pvlib_fem.quality._outliers import (
     mean_spacing,
     returns,
 )
+from pvlib_fem.quality._repetitions import Repetitions, whole_run
 from pvlib_fem.quality._stray_times import stray_side
-from pvlib_fem.quality._stuck import DRIVERS, STILL, Standing, whole_run
 
 #: columns of which single values are compared with those before and after
 RETURNING = (*FASTEST, "poa_global")
@@ -44,11 +44,11 @@ class Column:
     odd: dict = field(default_factory=dict)  # kind to parts of row, time and value
     zeros: list = field(default_factory=list)  # parts of what lone_zeros has
     tail: tuple = ()  # the last values that are there, with their rows and times
-    standing: Standing | None = None
+    repetitions: Repetitions | None = None
 
     def __post_init__(self) -> None:
-        if self.name in (*STILL, *DRIVERS):
-            self.standing = Standing(self.name, self.limits, self.unit)
+        if self.name in (*POSSIBLE, *DRIVERS):
+            self.repetitions = Repetitions(self.name, self.limits, self.unit)
 
     def add(self, values: np.ndarray, start: int, times: np.ndarray) -> np.ndarray:
         """Look at the next rows; what stands for a value of them comes back."""
@@ -75,10 +75,10 @@ class Column:
         self.size = np.fmax(self.size, largest)
         if self.name in RETURNING:
             self.accidents(possible_ones, start, times)
-        if self.standing is not None:
+        if self.repetitions is not None:
             clip = self.name == "poa_global" and low < 0
             still = np.maximum(possible_ones, 0.0) if clip else possible_ones
-            self.standing.add(still, start, times)
+            self.repetitions.add(still, start, times)
         return held
 
     def note(
@@ -341,14 +341,14 @@ class Look:
         """Let go of those rows, which what follows would keep."""
         self.sample, self.taken = [], None
 
-    def standing(self, rests: dict) -> dict:
+    def repetitions(self, rests: dict) -> dict:
         """Long repetitions of each column, by where its sensor rests."""
         runs = {}
         for name, column in self.columns.items():
-            if column.standing is None:
+            if column.repetitions is None:
                 continue
             if not column.never_moves:
-                runs[name] = column.standing.runs(rests[name])
+                runs[name] = column.repetitions.runs(rests[name])
             elif name in POSSIBLE:  # another may be a number that stands for all
                 runs[name] = whole_run(*[column.low, self.rows, *self.ends, self.unit])
         return runs

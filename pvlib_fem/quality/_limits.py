@@ -19,6 +19,15 @@ POSSIBLE = {
     name: RANGES[name]
     for name in ("poa_global", "temp_air", "wind_speed", "temp_module")
 }
+#: of columns of which the others tell nothing: the limit of the time of a repetition
+DRIVERS = {
+    "wind_speed": "stale_wind_window",
+    "relative_humidity": "stale_day_window",
+    "longwave_down": "stale_day_window",
+    "p_dc_per_area": "stale_day_window",
+    "precipitation": "stale_day_window",
+    "wind_direction": "stale_calm_window",
+}
 
 
 #: former names of thresholds

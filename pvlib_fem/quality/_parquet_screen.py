@@ -88,7 +88,7 @@ def screened_blocks(
     clipped = screening.rules()
     screening.refuse_impossible()
     screening.ends()
-    screening.standing()
+    screening.stuck()
     sample = screening.sampled()
     if check_units:
         refuse_doubtful(sample.columns, limits)

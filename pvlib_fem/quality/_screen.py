@@ -102,7 +102,7 @@ def screened(
     limits = limits or Limits()
     refuse_stray(record.index, limits)
     screening, clipped = by_columns(record, limits, check_units)
-    screening.standing()
+    screening.stuck()
     if check_units:
         refuse_doubtful(screening.sampled().columns, limits)
     return less(record, screening, clipped)
@@ -295,7 +295,7 @@ def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening
     clipped = screening.rules()
     odd += [f"{name} {reason}" for name, reason in screening.doubts.items()]
     screening.ends()
-    screening.standing(refuse=False)
+    screening.stuck(refuse=False)
     clean, faults = less(record, screening, clipped)
     masks = {kind: pd.DataFrame(False, data.index, data.columns) for kind in KINDS}
     cleaned = data.copy()

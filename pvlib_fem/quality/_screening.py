@@ -22,7 +22,7 @@ from pvlib_fem._record.inputs import Inputs, Record
 from pvlib_fem._record.ranges import possible_range
 from pvlib_fem.quality._file_scan import Look
 from pvlib_fem.quality._light_table import LightTable, light_by_night
-from pvlib_fem.quality._limits import POSSIBLE, Limits
+from pvlib_fem.quality._limits import DRIVERS, POSSIBLE, Limits
 from pvlib_fem.quality._outliers import (
     at_end,
     codes_apart,
@@ -30,14 +30,13 @@ from pvlib_fem.quality._outliers import (
     range_ends,
     rows_outside,
 )
+from pvlib_fem.quality._repetitions import rest_of
 from pvlib_fem.quality._stuck import (
-    DRIVERS,
+    always_stuck_error,
+    always_stuck_line,
     becalmed,
-    frozen,
-    frozen_error,
     may_rest,
-    rest_of,
-    standing_line,
+    stuck_spans,
 )
 from pvlib_fem.quality._unit_checks import doubtful
 from pvlib_fem.quality._values import never_moves
@@ -323,21 +322,22 @@ class Screener:
             time, value = self.first[first, name]
             refuse_share(name, share, value, time, self.limits)
 
-    def standing(self, refuse: bool = True) -> None:
+    def stuck(self, refuse: bool = True) -> None:
         """Take out stuck values, or refuse a sensor that is always stuck."""
         clean, columns = self.clean, self.look.columns
         sample = self.sampled()
         rests = {n: rest_of(n, sample[n], self.limits) for n in clean.names}
-        runs = self.look.standing(rests)
-        still, wind = frozen(clean, runs, rests, self.limits), columns["wind_speed"]
+        runs = self.look.repetitions(rests)
+        still = stuck_spans(clean, runs, rests, self.limits)
+        wind = columns["wind_speed"]
         if refuse and wind.never_moves:  # a number that stands for all wind
             still.pop("wind_speed", None)
         whole = [n for n in still if n in POSSIBLE and columns[n].never_moves]
         if whole and refuse:
             first, last = map(clean.source.time_at, self.look.ends)
             values = {name: max(columns[name].low, 0.0) for name in whole}
-            lines = [standing_line(n, v, first, last) for n, v in values.items()]
-            raise frozen_error(whole[0], lines)
+            lines = [always_stuck_line(n, v, first, last) for n, v in values.items()]
+            raise always_stuck_error(whole[0], lines)
         for name, rows in still.items():
             one = runs[name]
             at = int(np.flatnonzero(one.first == rows[0, 0])[0])
@@ -417,7 +417,7 @@ def stuck_rows(record: Record, limits: Limits | None = None) -> dict[str, np.nda
     names = [*POSSIBLE, *(n for n in DRIVERS if n in columns and n not in POSSIBLE)]
     clean = CleanRecord(FrameRecord(record.inputs), tuple(names))
     screening = Screener.from_record(clean, limits or Limits())
-    screening.standing(refuse=False)
+    screening.stuck(refuse=False)
     still = screening.masks().get("stuck", {})
     still = {name: rows for name, rows in still.items() if name not in record.absent}
     none = np.zeros(len(record.index), dtype=bool)

@@ -1,7 +1,6 @@
 """A sensor that is stuck while its driver changes."""
 
-from dataclasses import dataclass, field, fields
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
@@ -11,191 +10,9 @@ from pvlib_fem._record.inputs import Record
 from pvlib_fem._record.parquet import Block
 from pvlib_fem._relaxation import relax
 from pvlib_fem._spelling import argument, refusal
-from pvlib_fem.quality._limits import POSSIBLE, Limits
+from pvlib_fem.quality._limits import DRIVERS, POSSIBLE, Limits
+from pvlib_fem.quality._repetitions import Repetitions, Runs, at_rest
 from pvlib_fem.quality._values import changes, never_moves
-
-
-@dataclass(frozen=True, eq=False)
-class Runs:
-    """Stretches of one value that are too long to be an accident."""
-
-    value: np.ndarray
-    first: np.ndarray  # row
-    last: np.ndarray  # row
-    begin: np.ndarray  # time of the first row
-    time: np.ndarray  # from the first to the last row [s]
-    odd: np.ndarray  # whether the column's own changes make it far too long
-
-    def some(self, kept: np.ndarray) -> "Runs":
-        """Some of them."""
-        return Runs(*(getattr(self, part.name)[kept] for part in fields(self)))
-
-    @property
-    def spans(self) -> np.ndarray:
-        """First row of each, and the one after its last."""
-        return np.column_stack([self.first, self.last + 1])
-
-
-SOME = 1 << 17  # rows that tell where a sensor rests
-#: columns whose sensors rest at their lowest value, whatever number that is
-FLOWS = ("wind_speed", "precipitation", "p_dc_per_area")
-
-
-@dataclass(eq=False)
-class Standing:
-    """Long repetitions of a column's value, of rows that come in blocks."""
-
-    name: str
-    limits: Limits
-    unit: float = 1.0  # of the times [s]
-    rows: int = 0  # values that are there
-    changes: int = 0  # those of them that are not as the one before
-    long_runs: list = field(default_factory=list)
-    open: tuple | None = None  # the last one, which may go on
-
-    def add(self, values: Any, start: int, times: np.ndarray) -> "Standing":
-        """Look at the next rows, the first of which is row ``start``."""
-        if not len(values):
-            return self
-        edges = np.flatnonzero(values[1:] != values[:-1]) + 1
-        edges = np.concatenate(([0], edges, [len(values)]))
-        goes_on = self.open is not None and self.open[0] == values[0]
-        self.rows += int(np.count_nonzero(np.isfinite(values)))
-        begun = np.isfinite(values[edges[:-1]])
-        self.changes += int(np.count_nonzero(begun)) - int(goes_on)
-        many = np.flatnonzero(np.diff(edges) > self.limits.max_accident_rows)
-        # the first may go on from the rows before, and the last in those that follow
-        many = np.union1d(many, [0, len(edges) - 2])
-        first, last = edges[many], edges[many + 1] - 1
-        runs = [values[first], first + start, last + start, times[first], times[last]]
-        if goes_on and self.open is not None:
-            runs[1][0], runs[3][0] = self.open[1], self.open[3]
-        else:
-            self.close()
-        self.open = tuple(part[-1] for part in runs)
-        self.keep(*(part[:-1] for part in runs))
-        return self
-
-    def close(self) -> None:
-        if self.open is not None:
-            self.keep(*(np.array([one]) for one in self.open))
-
-    def keep(
-        self,
-        value: np.ndarray,
-        first: np.ndarray,
-        last: np.ndarray,
-        begin: np.ndarray,
-        end: np.ndarray,
-    ) -> None:
-        time = (end - begin) * self.unit
-        long = (last - first >= self.limits.max_accident_rows) & (
-            time > self.limits.response_time
-        )
-        if long.any():
-            self.long_runs.append([x[long] for x in (value, first, last, begin, time)])
-
-    def runs(self, rest: float) -> Runs:
-        """All of them, after the last row, and which are odd for the column."""
-        self.close()
-        self.open = None
-        if not self.long_runs:
-            none, rows = np.zeros(0), np.zeros(0, dtype=int)
-            return Runs(none, rows, rows, none, none, none > 0)
-        parts = [np.concatenate(part) for part in zip(*self.long_runs)]
-        value, first, last, *_ = parts
-        resting = at_rest(self.name, value, rest)
-        rows = self.rows - (last - first + 1)[resting].sum()
-        changes = self.changes - np.count_nonzero(resting)
-        long = last - first > most_kept(rows, changes, self.limits)
-        return Runs(*[*parts, long])
-
-
-def most_kept(rows: int, changes: Any, limits: Limits) -> float:
-    """
-    Rows in which a value may repeat the one before it by chance.
-
-    A value that is kept from row to row with a chance of p is kept n times with pⁿ.
-    """
-    if not 0 < changes < rows:
-        return 0.0
-    return np.log(limits.max_stuck_chance) / np.log1p(-changes / rows)
-
-
-def whole_run(
-    value: float, rows: int, first: int, last: int, unit: float = 1.0
-) -> Runs:
-    """
-    The one repetition of a column that never moves.
-
-    Parameters
-    ----------
-    value : float
-        Its value.
-    rows : int
-        Number of rows of the record.
-    first, last : int
-        Times of the first and last row, as counts of a unit.
-    unit : float, default 1.0
-        Length of one count. [s]
-
-    Returns
-    -------
-    Runs
-        Of one repetition, which is odd.
-    """
-    ends = np.array([0]), np.array([rows - 1]), np.array([first])
-    time = np.array([(last - first) * unit])
-    return Runs(np.array([value]), *ends, time, np.array([True]))
-
-
-def rest_of(name: str, values: np.ndarray, limits: Limits) -> float:
-    """
-    Value at which a column's sensor rests.
-
-    That is the dark, the lowest value of a flow, the highest humidity. An anemometer's
-    calm, or a night of an inverter, need not be 0; a few values may be beyond it.
-
-    Parameters
-    ----------
-    name : str
-        Column.
-    values : numpy.ndarray, shape (rows,)
-        The column, or evenly taken rows of it.
-    limits : Limits
-        ``min_light``, and ``max_accident_share`` of the values that may be beyond.
-
-    Returns
-    -------
-    float
-        In the unit of the column; NaN if its sensor does not rest.
-    """
-    if name == "poa_global":
-        return limits.min_light
-    way = 1.0 if name in FLOWS else -1.0
-    values = values[:: max(1, len(values) // SOME)]
-    seen = way * values[np.isfinite(values)]
-    if name not in (*FLOWS, "relative_humidity") or not len(seen):
-        return np.nan
-    at = int(limits.max_accident_share * (len(seen) - 1))
-    rest = np.partition(seen, at)[at]
-    # where it rests it is more often than anywhere beyond, and not once
-    resting = seen == rest
-    once = longest_run(resting)
-    if 2 * (np.count_nonzero(resting) - once) < np.count_nonzero(seen <= rest) - once:
-        rest = seen.min()
-    return way * float(rest)
-
-
-def longest_run(rows: np.ndarray) -> int:
-    """How many rows follow each other at most."""
-    edges = np.flatnonzero(np.diff(rows, prepend=False, append=False))
-    return int(np.diff(edges)[::2].max(initial=0))
-
-
-def at_rest(name: str, values: np.ndarray, rest: float) -> np.ndarray:
-    """Whether values are where the column's sensor rests."""
-    return values >= rest if name == "relative_humidity" else values <= rest
 
 
 def too_long(runs: Runs, limits: Limits) -> np.ndarray:
@@ -235,15 +52,6 @@ STILL = {
     "poa_global": still_irradiance,
     "temp_air": still_air,
 }
-#: the limit of time of columns of which the others tell nothing
-DRIVERS = {
-    "wind_speed": "stale_wind_window",
-    "relative_humidity": "stale_day_window",
-    "longwave_down": "stale_day_window",
-    "p_dc_per_area": "stale_day_window",
-    "precipitation": "stale_day_window",
-    "wind_direction": "stale_calm_window",
-}
 
 
 def still_driver(name: str, runs: Runs, rest: float, limits: Limits) -> np.ndarray:
@@ -267,8 +75,8 @@ SEEN_BY = {
 }
 
 
-def frozen(
-    clean: CleanRecord, standing: dict, rests: dict, limits: Limits
+def stuck_spans(
+    clean: CleanRecord, repetitions: dict, rests: dict, limits: Limits
 ) -> dict[str, np.ndarray]:
     """
     Spans of rows in which a sensor is stuck, by column.
@@ -277,7 +85,7 @@ def frozen(
     ----------
     clean : CleanRecord
         As it is screened so far, with the four columns.
-    standing : dict of Runs
+    repetitions : dict of Runs
         Long repetitions of each column.
     rests : dict
         Value at which each sensor rests.
@@ -289,7 +97,7 @@ def frozen(
     dict of numpy.ndarray, shape (spans, 2)
         First row of each span, and the one after its last; of stuck columns alone.
     """
-    seen = {n: standing[n].some(too_long(standing[n], limits)) for n in STILL}
+    seen = {n: repetitions[n].some(too_long(repetitions[n], limits)) for n in STILL}
     spans, untested = {}, [name for name in STILL if len(seen[name].first)]
     while untested:
         extents = Extents.from_record(
@@ -304,8 +112,8 @@ def frozen(
                 # a stuck module shows nothing of its drivers
                 clean = clean.lacking({name: spans[name]})
                 break
-    for name in [name for name in DRIVERS if name in standing]:
-        runs = standing[name]
+    for name in [name for name in DRIVERS if name in repetitions]:
+        runs = repetitions[name]
         kept = still_driver(name, runs, rests[name], limits)
         if kept.any():
             spans[name] = runs.some(kept).spans
@@ -316,7 +124,7 @@ def frozen(
 class Extents:
     """Least and largest value of other columns in repetitions of some."""
 
-    standing: dict
+    repetitions: dict
     limits: Limits
     steps: dict  # smallest change of both temperatures
     bounds: dict = field(default_factory=dict)  # least, largest, and the last value
@@ -326,12 +134,12 @@ class Extents:
 
     @classmethod
     def from_record(
-        cls, clean: CleanRecord, standing: dict, limits: Limits
+        cls, clean: CleanRecord, repetitions: dict, limits: Limits
     ) -> "Extents":
         """The extents over a record, from one pass."""
         steps = dict.fromkeys(("temp_air", "temp_module"), np.inf)
-        extents = cls(standing, limits, steps)
-        for name, runs in standing.items():
+        extents = cls(repetitions, limits, steps)
+        for name, runs in repetitions.items():
             for other in SEEN_BY[name]:
                 extents.bounds[name, other] = np.full((3, len(runs.first)), np.nan)
         if extents.bounds:
@@ -349,7 +157,7 @@ class Extents:
                 self.resolve(name, columns[name])
         columns["over"] = columns["temp_module"] - columns["temp_air"]
         columns["warmth"] = np.maximum(columns["over"], 0.0)
-        for name, runs in self.standing.items():
+        for name, runs in self.repetitions.items():
             end = runs.last >= block.start
             near = np.flatnonzero(end & (runs.first < block.start + len(block)))
             if not len(near):
@@ -501,7 +309,7 @@ def becalmed(
         Numbers of the rows, their times as counts of the index's unit, and wind
         speeds [m/s].
     """
-    standing, number = Standing("wind_speed", limits), 0
+    repetitions, number = Repetitions("wind_speed", limits), 0
     elapsed, last = 0.0, None
     for block in clean.blocks(("wind_speed",)):
         values, times = block["wind_speed"], block.times
@@ -511,9 +319,9 @@ def becalmed(
         times = times[there]
         steps = np.diff(times, prepend=times[0] if last is None else last)
         lasted = elapsed + np.cumsum(np.minimum(steps * block.inputs.unit, usual))
-        standing.add(values[there], number, lasted)
+        repetitions.add(values[there], number, lasted)
         number, elapsed, last = number + len(there), lasted[-1], times[-1]
-    runs = standing.runs(rest)
+    runs = repetitions.runs(rest)
     calm = runs.some(
         (runs.value <= rest) & (runs.time > limits.stale_calm_window)
     ).spans
@@ -527,7 +335,7 @@ def becalmed(
     return [np.concatenate(part) for part in zip(*parts)]
 
 
-def refuse_frozen(record: Record, frozen: dict) -> None:
+def refuse_always_stuck(record: Record, frozen: dict) -> None:
     """
     Refuse a record in which a sensor never moves, so that no row can be used.
 
@@ -547,10 +355,10 @@ def refuse_frozen(record: Record, frozen: dict) -> None:
         name for name in frozen if frozen[name].any() and never_moves(record[name])
     ]
     if whole:
-        raise frozen_error(whole[0], [whole_line(record, name) for name in whole])
+        raise always_stuck_error(whole[0], [whole_line(record, name) for name in whole])
 
 
-def frozen_error(name: str, lines: list) -> ValueError:
+def always_stuck_error(name: str, lines: list) -> ValueError:
     """
     The error of sensors that never move.
 
@@ -559,7 +367,7 @@ def frozen_error(name: str, lines: list) -> ValueError:
     name : str
         The first of their columns.
     lines : list of str
-        From :func:`standing_line`, one of each.
+        From :func:`always_stuck_line`, one of each.
 
     Returns
     -------
@@ -614,10 +422,10 @@ def whole_line(record: Record, name: str) -> str:
     values = record[name]
     seen = np.flatnonzero(np.isfinite(values))
     first, last = record.index[seen[0]], record.index[seen[-1]]
-    return standing_line(name, values[seen[0]], first, last)
+    return always_stuck_line(name, values[seen[0]], first, last)
 
 
-def standing_line(
+def always_stuck_line(
     name: str, value: float, first: pd.Timestamp, last: pd.Timestamp
 ) -> str:
     """

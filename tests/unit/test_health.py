@@ -19,7 +19,7 @@ from pvlib_fem.quality._light_table import packed
 from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._module_lag import clock_shift
 from pvlib_fem.quality._noon import solar_noon_shift
-from pvlib_fem.quality._stuck import Standing, most_kept
+from pvlib_fem.quality._repetitions import Repetitions, most_kept
 from pvlib_fem.quality._unit_checks import doubtful
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, RHINE
 
@@ -230,12 +230,12 @@ def test_repetitions_are_the_same_in_blocks(values, cuts):
     seconds, limits = np.arange(len(values)) * 600.0, Limits()
     parts = np.split(np.arange(len(values)), sorted(7 * cut - 3 for cut in cuts if cut))
     for name, rest in (("wind_speed", 0.0), ("poa_global", 1.0), ("temp_air", np.nan)):
-        standing = Standing(name, limits)
+        repetitions = Repetitions(name, limits)
         for rows in filter(len, parts):
-            standing.add(values[rows], rows[0], seconds[rows])
-        whole = Standing(name, limits).add(values, 0, seconds)
-        assert (standing.rows, standing.changes) == (whole.rows, whole.changes)
-        one, other = standing.runs(rest), whole.runs(rest)
+            repetitions.add(values[rows], rows[0], seconds[rows])
+        whole = Repetitions(name, limits).add(values, 0, seconds)
+        assert (repetitions.rows, repetitions.changes) == (whole.rows, whole.changes)
+        one, other = repetitions.runs(rest), whole.runs(rest)
         for field in dataclasses.fields(one):
             part, as_one = getattr(one, field.name), getattr(other, field.name)
             np.testing.assert_array_equal(part, as_one)
@@ -248,9 +248,9 @@ def test_a_chance_is_that_of_values_kept_at_random(kept):
     rows = 200_000
     fresh = np.where(random.random(rows) < kept, 0, np.arange(rows))
     values = np.maximum.accumulate(fresh).astype(float)
-    standing = Standing("temp_air", Limits())
-    found = standing.add(values, 0, np.arange(rows) * 3600.0).runs(np.nan)
-    most = most_kept(standing.rows, standing.changes, Limits())
+    repetitions = Repetitions("temp_air", Limits())
+    found = repetitions.add(values, 0, np.arange(rows) * 3600.0).runs(np.nan)
+    most = most_kept(repetitions.rows, repetitions.changes, Limits())
     assert most == pytest.approx(np.log(1e-9) / np.log(kept), rel=0.03)
     assert len(found.first) and not found.odd.any()
 
