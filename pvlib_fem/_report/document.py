@@ -3,15 +3,12 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from pvlib_fem._record.column_names import printable
-
-if TYPE_CHECKING:
-    pass
 
 #: kinds of columns by the first sign of their head: of numbers, of dates
 KINDS = {"#": "n", "@": "date"}
@@ -37,6 +34,8 @@ class Heading:
 
 @dataclass(frozen=True)
 class Paragraph:
+    """Text with a style: a class of the style sheet, such as ``"soft"``."""
+
     kind: ClassVar = "paragraph"
     text: str
     style: str = ""
@@ -179,42 +178,6 @@ def section(title: str, *body: Block | Parts) -> Section:
     Section
     """
     return Section(title, flat(body))
-
-
-def paragraph(text: str, style: str = "") -> Paragraph:
-    """
-    A paragraph of text.
-
-    Parameters
-    ----------
-    text : str
-        Plain text; the page escapes it.
-    style : str, optional
-        Class of the style sheet, such as ``"soft"`` or ``"alert"``.
-
-    Returns
-    -------
-    Paragraph
-    """
-    return Paragraph(text, style)
-
-
-def link(words: str, address: str) -> Link:
-    """
-    A link, for a cell of a table.
-
-    Parameters
-    ----------
-    words : str
-        Text of the link.
-    address : str
-        Relative path or URI that it leads to.
-
-    Returns
-    -------
-    Link
-    """
-    return Link(words, address)
 
 
 def listed(items: Iterable[tuple[str, str]], ordered: bool = False) -> Listing:

@@ -3,12 +3,12 @@
 from typing import TYPE_CHECKING, Any
 
 from pvlib_fem._report.document import (
+    Paragraph,
     Parts,
     Table,
     document,
     figures,
     fragment,
-    paragraph,
     section,
     table,
 )
@@ -60,7 +60,7 @@ def fit_page(fit: "FemFit", title: str = "", gamma: float = GAMMA) -> str:
     words = headline(fit)
     parts: Parts = [
         heading(f"Module temperature: {words}", title),
-        paragraph(error_conditions(fit), "soft"),
+        Paragraph(error_conditions(fit), "soft"),
         section("Error by step", errors(fit)),
         section("Energy", in_energy(fit, {"this fit": fit.residual}, gamma)),
         section("Evidence", figures(pictures_of_fit(fit)) if drawn else NO_ROWS),

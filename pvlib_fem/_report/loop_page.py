@@ -26,7 +26,6 @@ from pvlib_fem._report.document import (
     figures,
     fragment,
     listed,
-    paragraph,
     section,
     table,
 )
@@ -174,7 +173,7 @@ def evidence(loop: "Loop", statements: pd.DataFrame) -> Parts:
     drawn = [(svg, words, one.text) for one in items for svg, words in one.pictures]
     return [
         figures(drawn) if drawn else [],
-        [paragraph(f"{one.text}: {one.note}") for one in items if one.note],
+        [Paragraph(f"{one.text}: {one.note}") for one in items if one.note],
         Heading("The error of the model", "h3"),
         figures(pictures(loop)),
     ]
@@ -183,7 +182,7 @@ def evidence(loop: "Loop", statements: pd.DataFrame) -> Parts:
 def could_be(loop: "Loop") -> Iterator[Section]:
     """How much could still be explained, where that was computed."""
     if (ceiling := loop.known_ceiling) is not None:
-        words = [paragraph(one) for one in loop.conclusion[2:]]
+        words = [Paragraph(one) for one in loop.conclusion[2:]]
         bar = figures([picture_of_ceiling(ceiling)])
         yield section("How much could still be explained", words, bar)
 
@@ -203,14 +202,14 @@ def to_do(statements: pd.DataFrame, gamma: float) -> list[Block]:
         )
         for one in statements[~hints].to_dict("records")
     ]
-    body: list[Block] = [paragraph("Nothing: no fault of an instrument was found.")]
+    body: list[Block] = [Paragraph("Nothing: no fault of an instrument was found.")]
     if rows:
         head = ("finding", "action", "device", "@since", "#worth [K]")
         head += ("#worth [kWh/kWp per year]", "how sure")
         body = [table(head, rows, WORTH.format(100 * gamma), wraps=True)]
     if count := int(hints.sum()):
         words = f"{count} hint{'s' * (count > 1)} that the model does not contain"
-        body.append(paragraph(f"{words} {'are' if count > 1 else 'is'} in the annex."))
+        body.append(Paragraph(f"{words} {'are' if count > 1 else 'is'} in the annex."))
     return body
 
 
@@ -266,9 +265,9 @@ def brief(loop: "Loop") -> str:
     return fragment(
         [
             heading(f"Module temperature: {headline(loop)}", name_of(loop), tag="h4"),
-            [paragraph(one.why) for one in loop.corrections],
+            [Paragraph(one.why) for one in loop.corrections],
             errors(loop),
-            [paragraph(finding.why) for finding in loop.unexplained],
+            [Paragraph(finding.why) for finding in loop.unexplained],
         ]
     )
 
@@ -311,9 +310,9 @@ def conclusion(loop: "Loop") -> list[Paragraph]:
             f"{loop.criteria.min_rmse_reduction:.2f} K or more, beyond chance and with "
             "a possible size."
         )
-    body = [paragraph(error), paragraph(findings)]
+    body = [Paragraph(error), Paragraph(findings)]
     if words := budget.in_time(loop):
-        body.append(paragraph(f"Remaining error: {words}."))
+        body.append(Paragraph(f"Remaining error: {words}."))
     return body
 
 
@@ -321,7 +320,7 @@ def on_errors(loop: "Loop") -> Paragraph:
     """Which days, model and fit the errors are of."""
     fit, days = loop.fit, loop.fit.summary.days
     seen = "No fit and no decision has used the test days. " * bool(fit.test_days)
-    return paragraph(
+    return Paragraph(
         f"{seen}{days} day{'s' * (days > 1)} with rows; model {fit.model}, "
         f"dynamics {fit.dynamics}. {first_model(loop)}",
         "soft",
@@ -405,7 +404,7 @@ def undecided(loop: "Loop", statements: pd.DataFrame) -> Paragraph | Listing:
     open_ = [f for f in loop.finding_objects if f.verdict in undecided]
     if not open_:
         none = "Nothing: all that was found has one name."
-        return paragraph(none if findings_in_model(loop) else "Nothing was found.")
+        return Paragraph(none if findings_in_model(loop) else "Nothing was found.")
     texts = events.texts_by_cause(statements)
     others = statements[statements["verdict"] != events.EVENT]
     energies = dict(zip(others["cause"], others["energy"]))
@@ -441,7 +440,7 @@ def finding_checks(loop: "Loop") -> Paragraph | Table:
         for check in finding.checks
     ]
     if not rows:
-        return paragraph("Nothing was found that could be checked.")
+        return Paragraph("Nothing was found that could be checked.")
     weeks = loop.week_rows
     days = ", ".join(f"{rows:,} rows of {name} weeks" for name, rows in weeks.items())
     return table(
@@ -493,7 +492,7 @@ def remaining(loop: "Loop") -> Block | list[Block]:
     )
     if without_test_days(loop):
         words = "Not looked for: there are too few days to leave any out."
-    return [paragraph(words), *([listed(items)] if items else [])]
+    return [Paragraph(words), *([listed(items)] if items else [])]
 
 
 def in_time(loop: "Loop") -> list[Block]:
@@ -505,7 +504,7 @@ def in_time(loop: "Loop") -> list[Block]:
         happened = (
             f"Power shows that {events.happened(name, loop)}: {events.all_of(rows)}."
         )
-        body += [paragraph(happened), event_page(rows)]
+        body += [Paragraph(happened), event_page(rows)]
     head = ("part", "#mean square [K²]", "#root [K]", "#share [%]", "weeks")
     words = (
         "The parts that the steps remove and the remaining error add up to the steady "
@@ -549,7 +548,7 @@ def next_measurements(loop: "Loop") -> Listing | Paragraph:
     """A list of what to measure, the most useful first."""
     if items := advice.to_measure(loop):
         return listed(items, ordered=True)
-    return paragraph("Nothing: all that could be weighed was, and nothing is open.")
+    return Paragraph("Nothing: all that could be weighed was, and nothing is open.")
 
 
 def by_reason(reasons: Mapping[str, Because]) -> dict[str, list[str]]:
@@ -590,10 +589,10 @@ def untestable(loop: "Loop", never: Sequence[str]) -> list[Block]:
         reasons = by_reason(loop.untestable).items()
         body.append(listed((", ".join(names), why) for why, names in reasons))
     else:
-        body.append(paragraph("All effects of the catalogue could be tested."))
+        body.append(Paragraph("All effects of the catalogue could be tested."))
     if never:
         body.append(
-            paragraph("Not identifiable from these columns: " + "; ".join(never) + ".")
+            Paragraph("Not identifiable from these columns: " + "; ".join(never) + ".")
         )
     return body
 
@@ -606,7 +605,7 @@ def reproduce(loop: "Loop") -> Parts:
     names = ", ".join(weighed) or "none"
     return [
         made_by(loop.fit, loop_call(loop)),
-        paragraph(f"Effects that were weighed: {names}."),
+        Paragraph(f"Effects that were weighed: {names}."),
         printed_report(loop.report()),
     ]
 

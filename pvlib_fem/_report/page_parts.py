@@ -16,7 +16,6 @@ from pvlib_fem._report.document import (
     Paragraph,
     Table,
     Verbatim,
-    paragraph,
     table,
 )
 from pvlib_fem._report.formatting import (
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
     from pvlib_fem._fitting.fem_fit import FemFit
 
 DONE = "What was done to the data"
-NO_ROWS = paragraph("A result that was read from a file has no rows to draw or add up.")
+NO_ROWS = Paragraph("A result that was read from a file has no rows to draw or add up.")
 
 
 def heading(
@@ -59,9 +58,9 @@ def heading(
     -------
     list of Block
     """
-    body = [paragraph(one, "plant") for one in (title, site) if one]
+    body = [Paragraph(one, "plant") for one in (title, site) if one]
     for one in corrections:
-        body.append(paragraph(clock_words(one), "" if one.applied else "alert"))
+        body.append(Paragraph(clock_words(one), "" if one.applied else "alert"))
     return [*body, Heading(words, tag)]
 
 
@@ -190,7 +189,7 @@ def done_to_data(rows: Sequence[Treatment], notes: Sequence[str]) -> list[Block]
     -------
     list of Block
     """
-    body: list[Block] = [paragraph("Nothing: no value is missing or impossible.")]
+    body: list[Block] = [Paragraph("Nothing: no value is missing or impossible.")]
     if rows:
         cells = (
             (step, column, "–" if count is None else f"{count:,}", words)
@@ -228,7 +227,7 @@ def made_by(fit: "FemFit", call: str) -> list[Block]:
         hashes.append(f"sha256 of test rows   {test.hexdigest()}")
         words += "; the second of np.packbits(fit.holdout)"
     text = "\n".join((f"pvlib_fem {__version__}", "", call, "", *hashes))
-    return [Verbatim(text), paragraph(f"{words}.", "soft")]
+    return [Verbatim(text), Paragraph(f"{words}.", "soft")]
 
 
 def printed_report(result: object) -> Verbatim:

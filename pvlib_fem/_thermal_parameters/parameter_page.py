@@ -9,9 +9,9 @@ import pandas as pd
 from pvlib_fem._report.document import (
     Block,
     Heading,
+    Paragraph,
     document,
     listed,
-    paragraph,
     section,
     table as markup,
 )
@@ -160,9 +160,9 @@ def page(table: pd.DataFrame, title: str = "") -> str:
     -------
     str
     """
-    parts: list[Block] = [paragraph(title, "plant")] if title else []
+    parts: list[Block] = [Paragraph(title, "plant")] if title else []
     parts += [Heading("Thermal parameters", "h1")]
-    parts += [paragraph(f"They hold for {conditions(table)}.", "soft")]
+    parts += [Paragraph(f"They hold for {conditions(table)}.", "soft")]
     parts += [section(name, table_part(table, *of)) for name, of in PARTS.items()]
     return document(" · ".join(filter(None, [title, "Thermal parameters"])), parts)
 
@@ -177,7 +177,7 @@ def table_part(table: pd.DataFrame, begins: tuple, use: str) -> list:
         for name, row in own.iterrows()
     ]
     head = (*HEAD, *MORE) if compared else (*HEAD, MORE[0])
-    body = [paragraph(use), markup(head, rows, COLUMNS * bool(compared))]
+    body = [Paragraph(use), markup(head, rows, COLUMNS * bool(compared))]
     equations = own.groupby(["equation", "source"], sort=False).size().index
     body.append(listed(("Definition", f"{e} ({s})") for e, s in equations))
     other = own["conditions"][own["mismatch"].notna()].unique()

@@ -16,9 +16,7 @@ from pvlib_fem._report.document import (
     Parts,
     Table,
     document,
-    link,
     listed,
-    paragraph,
     section,
     table,
 )
@@ -115,7 +113,7 @@ class Pages:
             address = quote(Path(os.path.relpath(path, self.folder)).as_posix())
         except ValueError:  # on another drive
             address = path.as_uri()
-        return link(identity, address)
+        return Link(identity, address)
 
 
 def headline(systems: pd.DataFrame) -> str:
@@ -177,10 +175,10 @@ def energy_text(energy: float, whole: bool) -> str:
 def device_faults(findings: pd.DataFrame, pages: Pages) -> Paragraph | Table:
     """Table of systems with wrong times, a wrong location or a detached sensor."""
     if findings.empty:
-        return paragraph("None was found.")
+        return Paragraph("None was found.")
     faults = findings[findings["kind"].isin([CLOCK, SENSOR])]
     if faults.empty:
-        return paragraph("None was found.")
+        return Paragraph("None was found.")
     # uncorrected faults first
     faults = faults.assign(treated=faults["verdict"] != "not corrected")
     faults = faults.sort_values(["treated", "id"], kind="stable")
@@ -210,7 +208,7 @@ def unnamed_columns(findings: pd.DataFrame) -> list[Paragraph]:
         for column, name in likely.items()
     )
     return [
-        paragraph(
+        Paragraph(
             "A column without a known name may be taken for a cause that it is not. "
             f"These may have one, to be given in the table of systems: {some}."
         )
@@ -220,7 +218,7 @@ def unnamed_columns(findings: pd.DataFrame) -> list[Paragraph]:
 def by_effect(systems: pd.DataFrame, findings: pd.DataFrame) -> Paragraph | Table:
     """Table of the findings by effect: number of systems, sites and gains."""
     if findings.empty:
-        return paragraph("No effect was tested, or none was found.")
+        return Paragraph("No effect was tested, or none was found.")
     done = max(int((systems["state"] == "done").sum()), 1)
     groups = findings.groupby(["effect", "verdict"], sort=True)
     rows = []
@@ -254,7 +252,7 @@ def by_site(
     """Table of causes that systems of a site share, or that one has alone."""
     groups = shared_causes(systems, findings) if len(findings) else []
     if not groups:
-        return paragraph(
+        return Paragraph(
             "No site has several systems with findings. Systems with the same value in "
             "the column site of the table of systems share a weather station."
         )
@@ -306,7 +304,7 @@ def coefficient_table(
         unit = some["unit"].iloc[0]
         lines.append((label or "not given", model, name, unit, count, *cells))
     if not lines:
-        return paragraph("The results have no coefficients of a model.")
+        return Paragraph("The results have no coefficients of a model.")
     head = (by, "model", "coefficient", "unit", "#systems", "#10 %", "#median", "#90 %")
     words = "" if by in labels else f" The table of systems has no column {by}."
     return shortened_table(
@@ -327,12 +325,12 @@ def failures(systems: pd.DataFrame) -> Block | list[Block]:
     """List of messages, with the systems that have them."""
     failed = systems[systems["state"] == "failed"]
     if failed.empty:
-        return paragraph("Nothing.")
+        return Paragraph("Nothing.")
     groups = failed.groupby("message", sort=False)["id"].apply(list)
     groups = sorted(groups.items(), key=lambda pair: (-len(pair[1]), pair[0]))
     shown = [(few_names(names), str(message)) for message, names in groups[:SHOWN]]
     more = len(groups) - len(shown)
-    rest = paragraph(f"{more:,} other messages are in systems.parquet.", "soft")
+    rest = Paragraph(f"{more:,} other messages are in systems.parquet.", "soft")
     return [listed(shown), *[rest] * (more > 0)]
 
 

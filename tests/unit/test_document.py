@@ -25,11 +25,11 @@ def page_of(words):
     """A page with these words in each place that takes any."""
     blocks = [
         made.Heading(words, "h1"),
-        made.paragraph(words),
+        made.Paragraph(words),
         made.listed([(words, words)]),
         made.Listing([], [words]),
         made.table((words, "#n", "@since"), [(words, "1", words)], words),
-        made.table(("page",), [(made.link(words, words),)]),
+        made.table(("page",), [(made.Link(words, words),)]),
         made.figures([(SVG, words, words)]),
         made.Verbatim(words),
         made.Verbatim(words, words),
