@@ -11,6 +11,7 @@ from pvlib_fem._converter import AnyFloat
 from pvlib_fem._findings import Kind
 from pvlib_fem._record.column_names import DAYLIGHT
 from pvlib_fem._record.inputs import Record
+from pvlib_fem.effects._time_profiles import date_text
 
 
 class BudgetRow(TypedDict):
@@ -78,10 +79,6 @@ def episodes_of(case: Any, step: Any) -> pd.DataFrame:
 
 def mean_or_nan(values: np.ndarray) -> float:
     return float(values.mean()) if len(values) else np.nan
-
-
-def date_text(date: int) -> str:
-    return str(np.datetime64(int(date), "D"))
 
 
 def episode_table(rows: list) -> pd.DataFrame:

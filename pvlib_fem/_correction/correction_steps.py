@@ -10,11 +10,11 @@ from pvlib_fem._correction.corrected_record import CorrectedRecord
 from pvlib_fem._correction.repairs import (
     SOUND,
     Repair,
-    dates_of,
+    ends_within,
     obstacle,
     repair_of,
     sentence,
-    unit_of,
+    unit_added,
 )
 from pvlib_fem._record.column_names import ORIGINAL
 from pvlib_fem._record.header_units import QUANTITIES, UNITS, own_unit
@@ -233,9 +233,9 @@ class Work:
                     column,
                     sentence(fault.effect, repair, added),
                     rows,
-                    dates_of(fault.effect, *self.days),
+                    ends_within(fault.effect, *self.days),
                     **dict(zip(("size", "stderr", "low", "high"), added)),
-                    unit=unit_of(fault.effect, repair),
+                    unit=unit_added(fault.effect, repair),
                 )
             self.put(column, SOUND[column](raw, whole, coefficients))
 

@@ -199,7 +199,7 @@ def obstacle(fault: Any, repair: Repair, coefficients: dict) -> str:
     return ""
 
 
-def unit_of(effect: Effect, repair: Repair) -> str:
+def unit_added(effect: Effect, repair: Repair) -> str:
     """
     Unit of what is added.
 
@@ -223,7 +223,7 @@ def unit_of(effect: Effect, repair: Repair) -> str:
     return "1/year" if drifts else "-"
 
 
-def dates_of(effect: Effect, first: str, last: str) -> tuple[str, str]:
+def ends_within(effect: Effect, first: str, last: str) -> tuple[str, str]:
     """
     First and last day of a correction within a record.
 

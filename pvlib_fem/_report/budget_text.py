@@ -43,7 +43,7 @@ def budget_by_scale(loop: "Loop") -> pd.Series:
     return parts.sort_values(ascending=False, kind="stable")
 
 
-def in_time(loop: "Loop") -> str:
+def error_in_time(loop: "Loop") -> str:
     """
     A sentence on the time scales of the remaining error; "" if none is known.
 

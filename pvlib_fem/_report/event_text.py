@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from pvlib_fem._loop.loop_result import Loop
 
 
-class Kind(NamedTuple):
+class EventKind(NamedTuple):
     """A kind of events in words: device, what happened, its energy, what to do."""
 
     device: str
@@ -23,19 +23,19 @@ class Kind(NamedTuple):
 
 IN_LOG = "Look up these hours, in loop.events, in"
 WORDS = {
-    "modules_covered": Kind(
+    "modules_covered": EventKind(
         "modules", "the modules were covered", "lost", f"{IN_LOG} the site's log"
     ),
-    "sensor_covered": Kind(
+    "sensor_covered": EventKind(
         "irradiance sensor or modules",
         "the irradiance sensor was covered, or light was reflected onto the modules",
         "more than expected",
         f"{IN_LOG} the site's log",
     ),
-    "outage": Kind(
+    "outage": EventKind(
         "plant", "the plant gave no power", "lost", f"{IN_LOG} the inverter's log"
     ),
-    "underperformance": Kind(
+    "underperformance": EventKind(
         "plant",
         "the plant gave less power than expected, and the module with the temperature "
         "sensor was not covered",

@@ -10,10 +10,11 @@ import pandas as pd
 from pvlib_fem._findings import Finding
 from pvlib_fem._record.column_names import PLANT_POWER
 from pvlib_fem._record.file_summary import present
-from pvlib_fem._report.rows import DATES, Picture, Rows, day_of
+from pvlib_fem._report.rows import DATES, Picture, Rows
 from pvlib_fem.drivers._sky_deficit import STEFAN_BOLTZMANN, ZERO_CELSIUS
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.effects._effect import Effect
+from pvlib_fem.effects._time_profiles import day_number
 from pvlib_fem.plotting._evidence import (
     Daily,
     plot_against,
@@ -79,7 +80,7 @@ def anemometer(rows: Rows, effect: Effect) -> Picture | None:
     if (wind := rows.column("wind_speed")) is None:
         return None
     days, dates, note = rows.days, rows.settings, ""
-    ends = [day_of(dates[name]) for name in ("at", "start", "end") if name in dates]
+    ends = [day_number(dates[name]) for name in ("at", "start", "end") if name in dates]
     if len(ends) == 2:
         inside = (days >= ends[0]) & (days < ends[1])
         parts = {"outside the period": ~inside, "within it": inside}

@@ -159,7 +159,7 @@ def page(
             "Annex: coefficients", coefficients(fit, loop.corrections, ranges(loop))
         ),
         section("Annex: ambiguous findings and hints", undecided(loop, statements)),
-        section("Annex: remaining error by time scale", in_time(loop)),
+        section("Annex: remaining error by time scale", error_by_scale(loop)),
         section("Annex: checks", finding_checks(loop)),
         section("Annex: terms", listed(TERMS)),
         section("Annex: how to reproduce this report", reproduce(loop)),
@@ -311,7 +311,7 @@ def conclusion(loop: "Loop") -> list[Paragraph]:
             "a possible size."
         )
     body = [Paragraph(error), Paragraph(findings)]
-    if words := budget.in_time(loop):
+    if words := budget.error_in_time(loop):
         body.append(Paragraph(f"Remaining error: {words}."))
     return body
 
@@ -495,7 +495,7 @@ def remaining(loop: "Loop") -> Block | list[Block]:
     return [Paragraph(words), *([listed(items)] if items else [])]
 
 
-def in_time(loop: "Loop") -> list[Block]:
+def error_by_scale(loop: "Loop") -> list[Block]:
     """The error budget, all days that stand out, and events."""
     body: list[Block] = []
     if len(loop.episodes) > budget.MOST:

@@ -141,7 +141,7 @@ def error_rows(loop: "Loop") -> Iterator[tuple[str, str]]:
         title = step_name(name)
         words = STEPS.get(name, "")
         if name in verdicts:
-            words = verdict_words(verdicts[name], loop)
+            words = verdict_and_sizes(verdicts[name], loop)
         if name == CORRECTED:
             own = [one for one in loop.corrections if one.unit == "K"]
             words = "; ".join(map(clock_error_words, own))
@@ -150,7 +150,7 @@ def error_rows(loop: "Loop") -> Iterator[tuple[str, str]]:
 
 def remaining(loop: "Loop") -> Iterator[tuple[str, str]]:
     """Remaining error, ambiguous findings, what is not testable, and the notes."""
-    if words := budget.in_time(loop):
+    if words := budget.error_in_time(loop):
         yield "remaining error", words
     for days, words in budget.days_that_stand_out(loop):
         yield "check the site's log", f"{days}: {words}"
@@ -202,7 +202,7 @@ def number_cell(value: float, width: int) -> str:
     return f"{'–':>{width}}" if np.isnan(value) else f"{value:>z{width}.2f}"
 
 
-def verdict_words(finding: Finding, loop: "Loop") -> str:
+def verdict_and_sizes(finding: Finding, loop: "Loop") -> str:
     """Words behind the row of an added effect."""
     (effect,) = [e for e in loop.fit.effects if e.name == finding.effect]
     parts = []

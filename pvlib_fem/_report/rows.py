@@ -152,20 +152,3 @@ class Rows:
             caption += ", less the usual season"
         draw = partial(plot_by_date, drawn, words, marks)
         return Picture(draw, f"{caption}. {DOTS}{more}.")
-
-
-def day_of(date: str) -> float:
-    """
-    Days of a date since 1970-01-01.
-
-    Parameters
-    ----------
-    date : str
-        Date, or date and time, without a zone.
-
-    Returns
-    -------
-    float
-        A time of day is a fraction. [d]
-    """
-    return (pd.Timestamp(date) - pd.Timestamp(0)) / pd.Timedelta("1D")

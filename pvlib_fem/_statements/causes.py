@@ -14,9 +14,9 @@ import numpy as np
 from pvlib_fem._correction.faults import Fault
 from pvlib_fem._correction.repairs import (
     SHARE,
-    dates_of,
+    ends_within,
     repair_of,
-    unit_of,
+    unit_added,
 )
 from pvlib_fem._findings import Finding, Member
 from pvlib_fem._report.formatting import with_error
@@ -163,7 +163,7 @@ def dated_clause(clause: Clause, effect: Effect, first: str, last: str) -> Claus
     """The clause with the dates of its effect."""
     if not is_dated(effect):
         return clause
-    since, until = dates_of(effect, first, last)
+    since, until = ends_within(effect, first, last)
     profile = time_profile_of(effect)
     if not is_drift(effect) and not effect.settings:  # a hint has no dates
         since, until = "", last
@@ -188,23 +188,23 @@ def of_instrument(
         words = f"{repair.device} {reads.unsized or 'has changed'}"
         return Clause(without_article(repair.device), words, reads.action)
     added = repair.added(Fault.from_finding(effect, numbers), coefficients)
-    since, until = dates_of(effect, first, last)
+    since, until = ends_within(effect, first, last)
     years = (day_number(until) - day_number(since)) / YEAR if is_drift(effect) else 1.0
     years = years_to_end(effect) or max(years, 1e-9)
     value, error, low, high = reading_of(added, repair.unit, years)
-    unit = unit_of(effect, repair).replace("1/", "%/").replace("-", "%")
+    unit = unit_added(effect, repair).replace("1/", "%/").replace("-", "%")
     if years_to_end(effect):  # its size is what it reaches
         value, error, low, high = (years * n for n in (value, error, low, high))
         unit = unit.removesuffix("/year")
     size = f"{with_error(abs(value), error)} {'K' if repair.unit == 'K' else '%'}"
-    size, each = in_time(effect, size)
+    size, each = size_in_time(effect, size)
     words = f"{repair.device} {reads.less if value < 0 else reads.more}".format(size)
     words += each
     device = without_article(repair.device)
     return Clause(device, words, reads.action, value, error, low, high, unit)
 
 
-def in_time(effect: Effect, size: str) -> tuple[str, str]:
+def size_in_time(effect: Effect, size: str) -> tuple[str, str]:
     """A size in words, and what follows the clause that has it."""
     if years_to_end(effect):
         return f"up to {size}", ", increasing day by day"
@@ -284,7 +284,7 @@ def of_share(
     years = years_to_end(effect)
     estimate = only_size(effect, numbers, SHARE * (years or 1.0))
     way = ways[not estimate or estimate["value"] > 0]
-    size, each = in_time(effect, absolute_size(estimate)) if estimate else ("", "")
+    size, each = size_in_time(effect, absolute_size(estimate)) if estimate else ("", "")
     if is_drift(effect) and not years:
         estimate["unit"] = "%/year"
     return estimate, f"{size} {way}".strip(), each
