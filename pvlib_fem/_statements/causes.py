@@ -277,47 +277,22 @@ def of_column(effect: Effect, numbers: Numbers) -> Clause:
     return Clause(effect.column, words, action, **estimate)
 
 
-def of_share(
-    effect: Effect, numbers: Numbers, ways: tuple[str, str]
-) -> tuple[Estimate, str, str]:
-    """A share in percent, in words with its way down or up, and what follows these."""
+def share_clause(effect: Effect, numbers: Numbers) -> Clause:
+    """A cause whose only coefficient is a share of what its words name."""
+    device, words, ways, action = OF_SHARE[effect.sensor_fault or effect.name]
     years = years_to_end(effect)
     estimate = only_size(effect, numbers, SHARE * (years or 1.0))
     way = ways[not estimate or estimate["value"] > 0]
     size, each = size_in_time(effect, absolute_size(estimate)) if estimate else ("", "")
     if is_drift(effect) and not years:
         estimate["unit"] = "%/year"
-    return estimate, f"{size} {way}".strip(), each
+    words = words.format(f"{size} {way}".strip(), each)
+    return Clause(device, words, action, **estimate)
 
 
-def mounting(effect: Effect, numbers: Numbers) -> Clause:
-    estimate, more, each = of_share(effect, numbers, ("less", "more"))
-    action = "Inspect the mounting, and what was built or grew around the modules"
-    words = f"the modules lose {more} heat to the air{each}"
-    return Clause("mounting", words, action, **estimate)
-
-
-def module_irradiance(effect: Effect, numbers: Numbers) -> Clause:
-    estimate, more, each = of_share(effect, numbers, ("less", "more"))
-    action = (
-        "Look for dirt on the modules, their cleaning, and changes of the ground or "
-        "surfaces around them"
-    )
-    words = f"the modules receive {more} irradiance{each}, at the same sensor reading"
-    return Clause(MODULES, words, action, **estimate)
-
-
-def time_constant(effect: Effect, numbers: Numbers) -> Clause:
-    estimate, longer, each = of_share(effect, numbers, ("shorter", "longer"))
-    action = (
-        "Check how the module temperature sensor is attached, and the averages and "
-        "clocks of the loggers"
-    )
-    words = (
-        "the measured module temperature follows irradiance with a time constant that "
-        f"is {longer}{each}"
-    )
-    return Clause("module temperature sensor or loggers", words, action, **estimate)
+def hours_clause(effect: Effect, numbers: Numbers) -> Clause:
+    """A cause that acts for hours, whose words have no size."""
+    return Clause(*FOR_HOURS[effect.name], **only_size(effect, numbers))
 
 
 def soiling(effect: Effect, numbers: Numbers) -> Clause:
@@ -424,33 +399,6 @@ def snow(effect: Effect, numbers: Numbers) -> Clause:
     return Clause(MODULES, words, "Check the modules on days after snow")
 
 
-def modules_covered(effect: Effect, numbers: Numbers) -> Clause:
-    words = (
-        "snow, leaves or shade cover the modules for hours, and power and temperature "
-        "are both low"
-    )
-    action = "Look up the hours of loop.events in the site's log"
-    return Clause(MODULES, words, action, **only_size(effect, numbers))
-
-
-def sensor_covered(effect: Effect, numbers: Numbers) -> Clause:
-    words = (
-        "snow, leaves or shade cover the irradiance sensor for hours, and power and "
-        "temperature are both high for what it reads"
-    )
-    action = (
-        "Look from the irradiance sensor for what covers or shades it, and from the "
-        "modules for a reflecting surface"
-    )
-    return Clause("irradiance sensor", words, action, **only_size(effect, numbers))
-
-
-def outage(effect: Effect, numbers: Numbers) -> Clause:
-    words = "the modules are warmer for hours in which the plant gives no power"
-    action = "Look up the hours of loop.events in the inverter's log"
-    return Clause("plant", words, action, **only_size(effect, numbers))
-
-
 def tracker_stuck(effect: Effect, numbers: Numbers) -> Clause:
     plane = (effect.settings[name] for name in ("surface_tilt", "surface_azimuth"))
     where = in_words(*plane)
@@ -459,18 +407,59 @@ def tracker_stuck(effect: Effect, numbers: Numbers) -> Clause:
     return Clause("tracker", words, action, **only_size(effect, numbers))
 
 
+#: by sensor fault: device, words with a size and what follows it, ways, and action
+OF_SHARE = {
+    "mounting": (
+        "mounting",
+        "the modules lose {} heat to the air{}",
+        ("less", "more"),
+        "Inspect the mounting, and what was built or grew around the modules",
+    ),
+    "module_irradiance": (
+        MODULES,
+        "the modules receive {} irradiance{}, at the same sensor reading",
+        ("less", "more"),
+        "Look for dirt on the modules, their cleaning, and changes of the ground or "
+        "surfaces around them",
+    ),
+    "time_constant": (
+        "module temperature sensor or loggers",
+        "the measured module temperature follows irradiance with a time constant that "
+        "is {}{}",
+        ("shorter", "longer"),
+        "Check how the module temperature sensor is attached, and the averages and "
+        "clocks of the loggers",
+    ),
+}
+#: by name of the effect: device, words and action
+FOR_HOURS = {
+    "modules_covered": (
+        MODULES,
+        "snow, leaves or shade cover the modules for hours, and power and temperature "
+        "are both low",
+        "Look up the hours of loop.events in the site's log",
+    ),
+    "sensor_covered": (
+        "irradiance sensor",
+        "snow, leaves or shade cover the irradiance sensor for hours, and power and "
+        "temperature are both high for what it reads",
+        "Look from the irradiance sensor for what covers or shades it, and from the "
+        "modules for a reflecting surface",
+    ),
+    "outage": (
+        "plant",
+        "the modules are warmer for hours in which the plant gives no power",
+        "Look up the hours of loop.events in the inverter's log",
+    ),
+}
 #: causes whose words have a direction of their own
 SPECIAL = {
-    "mounting": mounting,
-    "module_irradiance": module_irradiance,
-    "time_constant": time_constant,
+    **dict.fromkeys(OF_SHARE, share_clause),
+    **dict.fromkeys(FOR_HOURS, hours_clause),
     "soiling": soiling,
     "shading": shading,
     "poa_misalignment": poa_misalignment,
     "temperature_gain": temperature_gain,
     "snow": snow,
-    "modules_covered": modules_covered,
-    "sensor_covered": sensor_covered,
-    "outage": outage,
     "tracker_stuck": tracker_stuck,
 }
