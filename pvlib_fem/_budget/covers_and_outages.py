@@ -189,7 +189,7 @@ def events_in(hours: Hours, spread: float, total: float, shares: dict) -> pd.Dat
         if state[start] and end - start >= FEWEST:
             some = slice(start, end)
             kinds[some] = deciding.kind(some)
-    spans = event_spans(kinds, deciding.shows_none)
+    spans = event_spans(kinds, deciding.shows_none, deciding.state)
     return event_table(rows_of_events(hours, spans, kinds, total), hours.extra)
 
 
@@ -314,22 +314,29 @@ def bridged(state: np.ndarray, breaks: np.ndarray) -> np.ndarray:
     return state
 
 
-def event_spans(kinds: np.ndarray, none: np.ndarray) -> list[tuple[int, int]]:
+def event_spans(
+    kinds: np.ndarray, none: np.ndarray, state: np.ndarray
+) -> list[tuple[int, int]]:
     """
     From and to (exclusive) of each event.
 
     It goes on over one hour of another kind, and over hours without a kind of which at
-    most one shows that there is no event.
+    most one shows that there is no event. Power that deviates the other way shows that,
+    too, as of a power meter whose clock is late.
     """
-    against = np.concatenate(([0], np.cumsum(none | (kinds != ""))))
-    spans = []
+    against = {}
+    for way in (-1, 1):
+        other = none | (kinds != "") | (state == -way)
+        against[way] = np.concatenate(([0], np.cumsum(other)))
+    spans: list[tuple[int, int]] = []
     for start, end in runs(kinds):
         if not kinds[start]:
             continue
+        count = against[int(state[start])]
         if (
             spans
             and kinds[spans[-1][0]] == kinds[start]
-            and against[start] - against[spans[-1][1]] <= 1
+            and count[start] - count[spans[-1][1]] <= 1
         ):
             spans[-1] = (spans[-1][0], end)
         else:

@@ -9,7 +9,7 @@ import pytest
 import study_events
 
 import pvlib_fem as fem
-from pvlib_fem._budget.covers_and_outages import Hours, rows_of_events
+from pvlib_fem._budget.covers_and_outages import Hours, event_spans, rows_of_events
 from pvlib_fem._budget.stretch_noise import DayNoise, Noise
 from pvlib_fem._findings import Verdict
 from pvlib_fem._loop.power_events import EVENTS
@@ -179,6 +179,14 @@ def test_power_alone_is_underperformance(clean):
     assert one.device == "plant" and "temperature sensor was not covered" in one.text
     page = loop.to_html()
     assert "strings disconnected" in page and "Measured power, and power expec" in page
+
+
+@pytest.mark.parametrize("afternoon, spans", [(0, [(0, 28)]), (1, [(0, 4), (24, 28)])])
+def test_an_event_ends_where_power_deviates_the_other_way(afternoon, spans):
+    """A meter whose clock is late: what it lacks in the morning it has at evening."""
+    state = np.repeat([-1, afternoon, -1], [4, 20, 4])
+    kinds = np.where(state < 0, "underperformance", "").astype(object)
+    assert event_spans(kinds, np.zeros(28, dtype=bool), state) == spans
 
 
 def test_months_with_two_thirds_of_the_power_are_told_by_few_events(clean):
