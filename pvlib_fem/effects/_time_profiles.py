@@ -299,21 +299,29 @@ def dates_in_words(dates: Mapping) -> str:
     ----------
     dates : mapping of str
         ``at`` or ``since``, or ``start`` and ``end``; perhaps ``resets``, and
-        ``between``, a pair of dates.
+        ``between`` and ``ended``, pairs of dates of the first and the end.
 
     Returns
     -------
     str
         The first day, the days between which it is in brackets, those on which a trend
-        begins again, and the last day; "" without a date.
+        begins again, and the last day, likewise; "" without a date.
     """
     begin, *resets = [dates["at"]] if "at" in dates else zeros_of(dates) or [""]
-    low, high = dates.get("between") or (None, None)
-    words = begin + (f" ({low} to {high})" if low != high else "")
+    words = begin + or_between(dates.get("between"))
     if resets:
         words += f", again from zero on {in_a_row(resets)}"
         words += "," if "end" in dates else ""
-    return f"{words} until {last_day(dates['end'])}" if "end" in dates else words
+    if "end" not in dates:
+        return words
+    last = [last_day(day) for day in dates.get("ended") or ()]
+    return f"{words} until {last_day(dates['end'])}{or_between(last)}"
+
+
+def or_between(days: Sequence[str] | None) -> str:
+    """The days between which a date is, in brackets; "" where it is sure."""
+    low, high = days or (None, None)
+    return f" ({low} to {high})" if low != high else ""
 
 
 def in_a_row(dates: Sequence[str]) -> str:

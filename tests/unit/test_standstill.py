@@ -18,7 +18,7 @@ from pvlib_fem.drivers._solar import on_plane
 from pvlib_fem.effects import find
 from pvlib_fem.effects._standstill import Axis, find_standstill, rotations
 from pvlib_fem.effects._standstill_days import Days, sum_inflation
-from pvlib_fem.effects._time_profiles import day_number
+from pvlib_fem.effects._time_profiles import dates_in_words, day_number
 from pvlib_fem.quality._plane import Sky
 from pvlib_fem.quality._tracker_standstill import nearest_by_day, standing_of
 from pvlib_fem.reasons import Reason
@@ -210,6 +210,17 @@ def test_a_row_that_stands_still_is_found(angle, start, end, tmp_path):
     loop.to_json(tmp_path / "loop.json")
     again = fem.Loop.from_json(tmp_path / "loop.json")
     assert again.statements["text"].iloc[0] == statement["text"]
+
+
+def test_the_days_between_which_it_ended_follow_its_last_day():
+    """``end`` and its interval are the first day after it, the words the last one."""
+    dates = {"start": "2022-05-01", "end": "2022-05-16"}
+    dates["between"] = ["2022-04-29", "2022-05-02"]
+    dates["ended"] = ["2022-05-15", "2022-05-20"]
+    words = "2022-05-01 (2022-04-29 to 2022-05-02) until 2022-05-15 "
+    assert dates_in_words(dates) == words + "(2022-05-14 to 2022-05-19)"
+    sure = dates | {"ended": ["2022-05-16", "2022-05-16"]}
+    assert dates_in_words(sure) == words.strip()
 
 
 def test_power_agrees_by_the_light_that_the_modules_miss():
