@@ -6,7 +6,7 @@ at no lag where both clocks agree. No thermal model is fitted; how much and how 
 the module answers is free, as long as it is a sum of decays that all begin at once.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any, ClassVar
 
@@ -52,11 +52,24 @@ class Clock:
     middle: float = 0.0  # of the record, from its start [s]
     hours: tuple[tuple[float, float], ...] = ()  # (from here on [s], late by that [s])
     limit: float = np.nan  # below which it is not at fault: a sample, and a sensor [s]
+    #: ``late`` if each temperature is a mean over its step, and not the value at its
+    #: end; NaN if it is not known to be either [s]
+    of_means: float = np.nan
     in_file: ClassVar = ("late", "drift", "middle", "hours", "faults")
 
     @property
     def fault(self) -> bool:
         return bool(self.faults)
+
+    @property
+    def by_means(self) -> "Clock":
+        """The clock if each temperature is a mean over its step."""
+        faults = dict(self.faults)
+        if faults.pop("clock_shift", "") and abs(self.of_means) > self.limit:
+            faults["clock_shift"] = shift_line(self.of_means, self.stderr, self.limit)
+        return replace(
+            self, late=self.of_means, faults=faults, why="; ".join(faults.values())
+        )
 
     def late_at(self, seconds: np.ndarray) -> np.ndarray:
         """How late the clock is, of what its faults say; 0 if it has none. [s]"""
@@ -123,7 +136,8 @@ def clock_shift(
 
     The lag in whole steps is found first, by :func:`._lag.coarse_lag`: over
     half a day either way and on rows up to an hour apart. By rows of 15 min or less
-    the onset is then looked for around that.
+    the onset is then looked for around that. ``late`` is that of temperatures at the
+    end of each step, ``of_means`` that of means over each step; both often fit alike.
 
     A clock is at fault if it is out by more than one sample and half a minute:
     whether a row holds its step's mean or end moves it by half a sample, and
@@ -244,6 +258,7 @@ def judge(
     hours = hours_of(blocks, changes)
     blocks, middle = pd.DataFrame(blocks), float(seconds[-1] / 2)
     blocks["late"] += far
+    later = float(np.median(blocks["of_means"] + far - blocks["late"]))
     late = blocks["late"] - offsets(hours, blocks["seconds"])
     days = (blocks["seconds"] - middle) / DAY
     points = (days.to_numpy(), late.to_numpy(), blocks["stderr"].to_numpy())
@@ -258,11 +273,7 @@ def judge(
             f"every day, {abs(gained):.0f} min over the record"
         )
     if abs(value) > limit and abs(value) > sure(rest, limits) * stderr:
-        faults["clock_shift"] = (
-            f"timestamps of temp_module run {abs(value) / 60:.1f} ± "
-            f"{error_with_step(stderr, limit) / 60:.1f} min {side_of(value)} those of "
-            "poa_global"
-        )
+        faults["clock_shift"] = shift_line(value, stderr, limit)
     jumps = tuple((day_of(origin, c["seconds"]), c["by"]) for c in changes)
     if jumps:
         faults["dst"] = (
@@ -282,6 +293,16 @@ def judge(
         middle,
         hours,
         limit,
+        float(value) + later,
+    )
+
+
+def shift_line(late: float, stderr: float, limit: float) -> str:
+    """A clock that is out by the same all the time, in words."""
+    return (
+        f"timestamps of temp_module run {abs(late) / 60:.1f} ± "
+        f"{error_with_step(stderr, limit) / 60:.1f} min {side_of(late)} those of "
+        "poa_global"
     )
 
 

@@ -160,9 +160,17 @@ def decays(lags: np.ndarray, step: float, onset: float) -> np.ndarray:
     return changes_between(np.append(lags, lags[-1] + 1) * step - onset)
 
 
-def changes_between(since: np.ndarray) -> np.ndarray:
-    """Change of each decay from one time since a step of irradiance to the next."""
-    answer = decay_response(since[:, None])
+def changes_between(since: np.ndarray, over: float = 0.0) -> np.ndarray:
+    """
+    Change of each decay from one time since a step of irradiance to the next.
+
+    Of its values at these times, or of its means over a time before each. [s]
+    """
+    if over:
+        whole = integrated_response(since[:, None])
+        answer = (whole - integrated_response(since[:, None] - over)) / over
+    else:
+        answer = decay_response(since[:, None])
     return answer[1:] - answer[:-1]
 
 
@@ -171,6 +179,13 @@ def decay_response(since: np.ndarray) -> np.ndarray:
     since = np.maximum(since, 0.0)
     own, seen = np.exp(-since / DECAYS), np.exp(-since / SENSOR)
     return 1.0 - (DECAYS * own - SENSOR * seen) / (DECAYS - SENSOR)
+
+
+def integrated_response(since: np.ndarray) -> np.ndarray:
+    """Integral of :func:`decay_response` from 0. [s]"""
+    since = np.maximum(since, 0.0)
+    own, seen = (t**2 * -np.expm1(-since / t) for t in (DECAYS, SENSOR))
+    return since - (own - seen) / (DECAYS - SENSOR)
 
 
 def usual_response(step: float) -> np.ndarray:
@@ -211,7 +226,9 @@ def measured_blocks(sums: Sums, changes: list, limits: Any) -> list[dict]:
     list of dict
         For each block whose clouds show the onset: ``day``, the place of its first day;
         ``seconds``, its middle since the first row; ``late``, the onset, positive if
-        the module is late, and its ``stderr`` [s]; ``coarse``, the onset in rows.
+        the module is late, and its ``stderr`` [s]; ``of_means``, the onset if each
+        temperature is a mean over its step, and not the value at its end [s];
+        ``coarse``, the onset in rows.
     """
     length = np.clip(
         len(sums) / limits.onset_blocks, FEWEST_DAYS, limits.max_block_days
@@ -243,9 +260,9 @@ def measured_onset(sums: Sums, days: np.ndarray, limits: Any) -> dict | None:
     normal, cross = own[np.abs(lags[:, None] - lags)], cross[sums.reach + lags]
     edges = np.append(lags, lags[-1] + 1) * sums.step
 
-    def weigh(onset: float) -> tuple[np.ndarray, float]:
+    def weigh(onset: float, over: float = 0.0) -> tuple[np.ndarray, float]:
         """Weights of the decays, none below 0, and the misfit but a constant."""
-        shapes = changes_between(edges - onset)
+        shapes = changes_between(edges - onset, over)
         square = shapes.T @ normal @ shapes
         trace = square.trace()
         if not trace > 0:  # it would begin beyond the last lag
@@ -264,7 +281,17 @@ def measured_onset(sums: Sums, days: np.ndarray, limits: Any) -> dict | None:
     if not stderr < sums.step + limits.onset_tolerance:
         return None
     middle = np.average(sums.begin(days), weights=information) + sums.day / 2
-    return dict(day=days[0], seconds=middle, late=onset, stderr=stderr, coarse=coarse)
+    of_means = least_on_grid(
+        lambda onset: weigh(onset, sums.step)[1], coarse * sums.step, sums.step
+    )
+    return dict(
+        day=days[0],
+        seconds=middle,
+        late=onset,
+        stderr=stderr,
+        of_means=of_means,
+        coarse=coarse,
+    )
 
 
 def least_on_grid(misfit: Callable, near: float, step: float) -> float:

@@ -17,7 +17,7 @@ from conftest import COLUMNS, measured
 
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
-from pvlib_fem._loop.correct_clock import module_clock
+from pvlib_fem._loop.correct_clock import by_means_or_ends, module_clock
 from pvlib_fem._loop.prepare import prepared_case
 from pvlib_fem._loop.refits import Fits
 from pvlib_fem._record.resampling import coarse
@@ -375,6 +375,28 @@ def test_a_correction_that_does_not_lower_the_error_is_a_note():
     assert "not corrected, since the error is no smaller" in after.case.notes[-1]
     after, step, clock = module_clock(Fits(case), raw)
     assert clock.applied and clock.after < clock.before and clock.checks[0].passed
+
+
+@pytest.mark.parametrize("means", [True, False])
+def test_a_clock_is_right_of_means_and_of_values_at_the_end_of_a_step(means):
+    """Means over 15 min, read as values at its end, are more than 10 min late."""
+    late = simulator.record(
+        effects=PHYSICS | {"clock_shift": 30.0}, days=70, step=300.0, seed=3
+    )
+    steps = late.resample("15min")
+    rows = (
+        steps.mean()
+        if means
+        else steps.mean().assign(temp_module=steps["temp_module"].last())
+    )
+    case = prepared_case(
+        rows, fem.drivers.checked_place(**PLACE), None, None, fem.Criteria()
+    )
+    fits = Fits(case)
+    raw = fits.bases(steady_model("faiman"))["balance"]
+    found = by_means_or_ends(fits, raw).case.clock
+    assert found.late / 60.0 == pytest.approx(30.0, abs=5.0)
+    assert f"run {found.late / 60.0:.1f} ± " in found.why
 
 
 def test_a_temperature_at_the_end_of_each_mean_turns_no_module():
