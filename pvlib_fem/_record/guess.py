@@ -130,7 +130,8 @@ def guess(
         for column in columns:
             name = f"{column} ({file.name})" if column in data else column
             data[name], units[name] = columns[column], below.get(column, "")
-    guessed.columns = mapped(data, guessed.columns, tuple(NAMES), guessed.doubts)
+    names = tuple(NAMES)
+    guessed.columns = mapped(data, guessed.columns, names, guessed.doubts, units)
     by_the_sun(data, guessed)
     if sensors:
         all_modules(data, guessed)

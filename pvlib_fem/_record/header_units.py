@@ -40,6 +40,8 @@ UNITS = {
         "Wh/m²": (1.0, 0.0),
         "kWh/m²": (1000.0, 0.0),
         "J/cm²": (1e4 / constants.hour, 0.0),
+        "kJ/m²": (1e3 / constants.hour, 0.0),
+        "MJ/m²": (1e6 / constants.hour, 0.0),
     },
     "temperature": {
         "°C": (1.0, 0.0),
@@ -67,8 +69,17 @@ UNITS = {
         "W": (1.0, 0.0),
         "kW": (1000.0, 0.0),
         "MW": (1e6, 0.0),
+        "mW": (1e-3, 0.0),
     },
-    "power": {"W": (1.0, 0.0), "kW": (1000.0, 0.0), "MW": (1e6, 0.0)},
+    "power": {
+        "W": (1.0, 0.0),
+        "kW": (1000.0, 0.0),
+        "MW": (1e6, 0.0),
+        "mW": (1e-3, 0.0),
+        "Wh": (1.0, 0.0),
+        "kWh": (1000.0, 0.0),
+        "MWh": (1e6, 0.0),
+    },
     "depth": {
         "cm": (1.0, 0.0),
         "mm": (0.1, 0.0),
@@ -76,11 +87,25 @@ UNITS = {
         "in": (INCH / 10.0, 0.0),
     },
 }
+#: quantities whose units stand for each other where people write them: a column of
+#: light in W or one of a temperature in ° is none of another quantity
+ALIKE = (
+    ("irradiance", "power per area", "power"),
+    ("temperature", "angle"),
+    ("rain", "depth"),
+)
+#: units of what no column of the package holds, as :func:`plain_unit` leaves them
+FOREIGN = ("mv", "µv", "uv", "ma", "hz", "hpa", "kpa", "mbar", "lux", "klux", "lx")
 #: what falls in one step, of which its length makes a rate
-AMOUNTS = {"rain": ("mm", "in"), "irradiance": ("Wh/m²", "kWh/m²", "J/cm²")}
+AMOUNTS = {
+    "rain": ("mm", "in"),
+    "irradiance": ("Wh/m²", "kWh/m²", "J/cm²", "kJ/m²", "MJ/m²"),
+    "power": ("Wh", "kWh", "MWh"),
+}
 #: spans over which a header may state what falls, such as mm/10min [h]
 SPANS = {"s": 1.0 / 3600.0, "min": 1.0 / 60.0, "h": 1.0, "d": 24.0}
-WHOLE = ("W", "kW", "MW")  # power of all modules, of which their area makes a density
+#: power of all modules, of which their area makes a density
+WHOLE = ("W", "kW", "MW", "mW")
 #: other spellings, as :func:`plain_unit` leaves them
 SPELLINGS = {
     "W/m²": ("w/m2", "wm2", "wm-2", "w/sqm", "watt/m2", "watts/m2"),
@@ -89,6 +114,8 @@ SPELLINGS = {
     "Wh/m²": ("wh/m2", "whm2", "wh/sqm"),
     "kWh/m²": ("kwh/m2", "kwhm2", "kwh/sqm"),
     "J/cm²": ("j/cm2", "jcm2"),
+    "kJ/m²": ("kj/m2", "kjm2"),
+    "MJ/m²": ("mj/m2", "mjm2"),
     "°C": ("°c", "c", "degc", "celsius", "degreesc", "deg.c"),
     "°F": ("°f", "f", "degf", "fahrenheit", "degreesf", "deg.f"),
     "K": ("k", "kelvin", "degk"),
@@ -108,6 +135,10 @@ SPELLINGS = {
     "W": ("w", "watt", "watts"),
     "kW": ("kw", "kilowatt", "kilowatts"),
     "MW": ("mw", "megawatt", "megawatts"),
+    "mW": ("milliwatt", "milliwatts"),
+    "Wh": ("wh",),
+    "kWh": ("kwh",),
+    "MWh": ("mwh",),
     "cm": ("cm",),
     "m": ("m",),
 }
@@ -249,13 +280,12 @@ def named_unit(name: str, header: str) -> str | None:
     str or None
         In the package's spelling; None without a unit that the column can be in.
     """
-    bracketed = re.findall(r"[\[({]([^\])}]*)[\])}]", header)
     bare = re.sub(r"[\[({][^\])}]*[\])}]", " ", header)
     words = [
         word for word in re.split(r"[\s_,;:]+", bare) if plain_unit(word) not in WORDS
     ]
-    bracketed = [part for text in bracketed for part in re.split("[,;]", text)]
-    for text in (*bracketed, *words[1:]):  # the first word is the column's name
+    inside = [part for text in bracketed(header) for part in re.split("[,;]", text)]
+    for text in (*inside, *words[1:]):  # the first word is the column's name
         try:
             return unit_of(name, text)
         except ValueError:
@@ -263,8 +293,53 @@ def named_unit(name: str, header: str) -> str | None:
     return None
 
 
+def in_other_unit(name: str, header: str, below: str = "") -> bool:
+    """
+    Whether a header names a unit in brackets that the column of a name cannot have.
+
+    Parameters
+    ----------
+    name : str
+        Package's name, which ``header`` may be of.
+    header : str
+        Such as ``"SWD [W/m²]"``, which is no direction of the wind.
+    below : str, default ""
+        Unit that a line below the header gives.
+
+    Returns
+    -------
+    bool
+        False for a unit that is not known, or of a like quantity: light in W.
+    """
+    if named_unit(name, header) is not None:
+        return False
+    own = QUANTITIES[usual_name_of(name) or name]
+    alike = next((some for some in ALIKE if own in some), (own,))
+    texts = [part for text in bracketed(header) for part in re.split("[,;]", text)]
+    for text in (*texts, below):
+        of = [q for q in UNITS if any(is_spelled(text, unit) for unit in UNITS[q])]
+        ambiguous = plain_unit(text) in WORDS
+        if plain_unit(text) in FOREIGN or (
+            of and not ambiguous and not {*of} & {*alike}
+        ):
+            return True
+    return False
+
+
+def bracketed(header: str) -> list[str]:
+    """What stands in brackets in a header."""
+    return re.findall(r"[\[({]([^\])}]*)[\])}]", header)
+
+
 def is_spelled(text: str, unit: str) -> bool:
-    """Whether a text is one of the spellings of a unit."""
+    """
+    Whether a text is one of the spellings of a unit.
+
+    A text with the letters of a unit is that unit: mW is a thousandth of a watt, while
+    mw, which names no prefix, is a million.
+    """
+    if text.strip() in SPELLINGS:
+        return text.strip() == unit
     return plain_unit(text) in (plain_unit(unit), *SPELLINGS[unit])
 
 

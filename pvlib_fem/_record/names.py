@@ -2,11 +2,18 @@
 
 import re
 import unicodedata
+from collections.abc import Mapping
 
 import pandas as pd
 
 from pvlib_fem._record.column_names import ALIASES, COLUMNS, GEOMETRY
-from pvlib_fem._record.header_units import QUANTITIES, named_unit, usual_name_of
+from pvlib_fem._record.header_units import (
+    AMOUNTS,
+    QUANTITIES,
+    in_other_unit,
+    named_unit,
+    usual_name_of,
+)
 
 #: at the start of a name: neither a factor, nor another power, nor a limit, nor a load
 TRUE_POWER = (
@@ -44,11 +51,17 @@ NAMES = {
         r"^ta(\b|_)|^t_?a$",
         r"^t(emp[a-z]*)?[\s_.-]*\d*(\b|_)",
     ),
-    "wind_direction": (r"w(ind)?[\s_.-]*d(ir|\b|_)|wind\w*richt|^wr(\b|_)",),
-    "wind_speed": (
-        r"w(ind)?[\s_.-]*(s(p(ee)?d)?|vel\w*)(\b|_)|wind\w*geschw|^v_?w(ind)?(\b|_)|"
-        r"vel\w*[\s_.-]*(w|vi?ento)",
-        r"^wind|anemom|vi?ento|(\b|_)vent(\b|_)|^v$",
+    "wind_direction": (
+        r"(wind|(^|[\W_])w)[\s_.-]*d(ir|\b|_|\d)|wind\w*richt|^wr(\b|_)|"
+        r"dire[cz]\w*[\W_].*(vi?ent|wind)|wind[\s_.-]*vane",
+    ),
+    "wind_speed": tuple(
+        rf"^(?!.*(dire[cz]|richt|(\b|_)dir(\b|_)))({pattern})"
+        for pattern in (
+            r"(.*wind|(.*[\W_])?w)[\s_.-]*(s(p(ee)?d)?|vel\w*)(\b|_|\d)|"
+            r".*wind\w*geschw|v_?w(ind)?(\b|_)|.*vel\w*[\s_.-]*(w|(del |do )?vi?ento)",
+            r"wind|.*anemom|.*vi?ento|(.*(\b|_))?vent(\b|_)|v$",
+        )
     ),
     "relative_humidity": (
         r"(^|[\W_])r_?h(\b|_|\d)|rel\w*[\s_.-]*hum|humid|^hum(\b|_)|feucht|^hr$|^rf$",
@@ -80,7 +93,7 @@ DRIVERS = tuple(name for name in NAMES if name not in COLUMNS)
 PLACE = re.compile(r"^((met|meteo|weather|wx|env|station|site)\d*[\s_./-]+)+")
 NOT = re.compile(
     r"std|stdev|(\b|_)(min|max|sd\d*|mv|daily|cum\w*)(\b|_)|gust|ghi|dni|dhi|horiz|"
-    r"diffus|direct|beam|clear|status|flag|albedo|dew|chill|wet[\s_-]?bulb|azimuth|"
+    r"diffus|dire[ck]?t+(?!ion)|beam|clear|status|flag|albedo|dew|chill|wet[\s_-]?bulb|azimuth|"
     r"(tracker|axis|module|panel|array|surface)[\s_.-]*tilt|tilt[\s_.-]*(angle|deg)|^tilt$",
     re.IGNORECASE,
 )
@@ -89,7 +102,13 @@ NOT = re.compile(
 FEWEST_RISES = 10  # of a counter; a flag that is set once is none
 
 
-def mapped(data: dict, columns: dict, names: tuple, doubts: list) -> dict[str, str]:
+def mapped(
+    data: dict,
+    columns: dict,
+    names: tuple,
+    doubts: list,
+    units: Mapping | None = None,
+) -> dict[str, str]:
     """
     The map with the columns that look like a name that none has yet.
 
@@ -103,6 +122,8 @@ def mapped(data: dict, columns: dict, names: tuple, doubts: list) -> dict[str, s
         Package's names that are looked for.
     doubts : list of str
         Takes what a person should look at.
+    units : dict of str, optional
+        Units that a line below the header gives, by the file's names.
 
     Returns
     -------
@@ -113,12 +134,15 @@ def mapped(data: dict, columns: dict, names: tuple, doubts: list) -> dict[str, s
     there = {ALIASES.get(column, column) for column in data}
     free = [c for c in numeric if c not in (*columns.values(), *QUANTITIES, *ALIASES)]
     free = [c for c in free if not NOT.search(without_unit(c))]
-    columns = dict(columns)
+    columns, units = dict(columns), units or {}
     for name in NAMES:
         if name not in names or name in columns or name in there:
             continue
         for sure, pattern in enumerate(NAMES[name]):
             matching = [c for c in free if looks_like(pattern, c)]
+            matching = [
+                c for c in matching if not in_other_unit(name, c, units.get(c, ""))
+            ]
             if matching:
                 columns[name] = matching[0]
                 free.remove(matching[0])
@@ -144,7 +168,12 @@ def looks_like(pattern: str, column: str) -> bool:
     """Whether a name has a pattern, by itself or with the word of its unit."""
     name = spelled_name(column)
     units = " ".join(re.findall(r"[\[({].*?[\])}]", str(column)))
-    words = [word for n, word in UNIT_WORDS.items() if named_unit(n, units)]
+    words = [
+        word
+        for n, word in UNIT_WORDS.items()
+        # energy is mostly counted on, or of a day
+        if named_unit(n, units) not in (None, *AMOUNTS["power"])
+    ]
     return any(re.search(pattern, " ".join([name, *w])) for w in ([], words))
 
 
@@ -201,7 +230,8 @@ def usual_name(column: str) -> str | None:
     if NOT.search(without_unit(column)):
         return None
     for name, patterns in NAMES.items():
-        if any(looks_like(pattern, column) for pattern in patterns):
+        like = any(looks_like(pattern, column) for pattern in patterns)
+        if like and not in_other_unit(name, str(column)):
             return name
     return None
 

@@ -277,7 +277,9 @@ def test_every_unit_has_a_spelling_and_its_own_is_left_as_it_is():
     column = pd.Series([0.0, 1.0, 20.0])
     for name, quantity in QUANTITIES.items():
         for unit in UNITS[quantity]:
-            assert unit_of(name, unit) == unit_of(name, unit.upper()) == unit
+            assert unit_of(name, unit) == unit
+            if unit.upper() not in UNITS[quantity]:  # as mW and MW
+                assert unit_of(name, unit.upper()) == unit
         assert converted_column(column, name, own_unit(name)) is column
 
 

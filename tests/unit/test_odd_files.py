@@ -340,10 +340,58 @@ def test_letters_of_two_zones_are_of_the_first_in_the_file():
         ("Luftdruck G", None),
         ("Event", None),
         ("TC_status", None),
+        ("Wind direction (°)", "wind_direction"),
+        ("Direction du vent", "wind_direction"),
+        ("Dirección del viento (º)", "wind_direction"),
+        ("Velocidad del viento", "wind_speed"),
+        ("WS10m", "wind_speed"),
+        ("Direct irradiance", None),
+        ("Radiación directa", None),
     ],
 )
 def test_headers_of_other_languages_are_known(header, name):
     assert usual_name(header) == name
+
+
+@pytest.mark.parametrize(
+    ("header", "name"),
+    [
+        ("SWD [W/m**2]", None),  # short-wave, down
+        ("Wind [°]", None),
+        ("Wind [m/s]", "wind_speed"),
+        ("Pyranometer [mV]", None),
+        ("Pyranometer [W]", "poa_global"),  # as some write W/m²
+        ("Temp [°]", "temp_air"),
+    ],
+)
+def test_a_column_in_a_unit_of_another_quantity_is_none_of_this(header, name):
+    assert usual_name(header) == name
+
+
+def test_a_unit_below_the_header_is_none_of_another_quantity(plant, tmp_path):
+    names = "POA", "Ta", "WD10", "TC1", "TC2", "TC3"
+    text = called(plant, *names).to_csv(index_label="Time").splitlines()
+    text.insert(1, ",W/m2,°C,m/s,°C,°C,°C")
+    (path := tmp_path / "plant.csv").write_text("\n".join(text))
+    assert "wind_direction=" not in call("loop", path, "--guess").output
+
+
+@pytest.mark.parametrize(
+    ("name", "header", "cell", "value"),
+    [
+        ("power_ac", "P (mW)", 500.0, 0.5),  # a prefix of the SI: milli
+        ("power_ac", "P (MW)", 0.5, 5e5),
+        ("power_ac", "p_mw", 0.5, 5e5),  # of a name in small letters
+        ("power_ac", "Energy (kWh)", 1.0, 6000.0),  # of ten minutes
+        ("poa_global", "Slope (MJ/m²)", 0.6, 1000.0),
+        ("poa_global", "Slope (kJ/m2)", 600.0, 1000.0),
+    ],
+)
+def test_a_unit_is_converted_by_its_factor(name, header, cell, value, tmp_path):
+    times = pd.date_range("2023-06-01", periods=3, freq="10min", name="Time")
+    pd.DataFrame({header: cell}, times).to_csv(path := tmp_path / "plant.csv")
+    data = fem.read_file(path, {name: header}, convert_units=True)
+    assert data[name].tolist() == pytest.approx([value] * 3)
 
 
 def test_a_proposal_says_which_part_of_the_place_is_not_given(plant, tmp_path):
