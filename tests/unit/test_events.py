@@ -183,7 +183,7 @@ def test_power_alone_is_underperformance(clean):
 
 @pytest.mark.parametrize("afternoon, spans", [(0, [(0, 28)]), (1, [(0, 4), (24, 28)])])
 def test_an_event_ends_where_power_deviates_the_other_way(afternoon, spans):
-    """A meter whose clock is late: what it lacks in the morning it has at evening."""
+    """A power meter whose clock is late reads too little, then too much."""
     state = np.repeat([-1, afternoon, -1], [4, 20, 4])
     kinds = np.where(state < 0, "underperformance", "").astype(object)
     assert event_spans(kinds, np.zeros(28, dtype=bool), state) == spans
