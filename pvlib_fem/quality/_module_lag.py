@@ -53,7 +53,7 @@ class Clock:
     hours: tuple[tuple[float, float], ...] = ()  # (from here on [s], late by that [s])
     limit: float = np.nan  # below which it is not at fault: a sample, and a sensor [s]
     #: ``late`` if each temperature is a mean over its step, and not the value at its
-    #: end; NaN if it is not known to be either [s]
+    #: end; NaN of a clock that is not late by the same all the time [s]
     of_means: float = np.nan
     in_file: ClassVar = ("late", "drift", "middle", "hours", "faults")
 
@@ -258,12 +258,11 @@ def judge(
     hours = hours_of(blocks, changes)
     blocks, middle = pd.DataFrame(blocks), float(seconds[-1] / 2)
     blocks["late"] += far
-    later = float(np.median(blocks["of_means"] + far - blocks["late"]))
     late = blocks["late"] - offsets(hours, blocks["seconds"])
     days = (blocks["seconds"] - middle) / DAY
     points = (days.to_numpy(), late.to_numpy(), blocks["stderr"].to_numpy())
     value, stderr, drift, drift_stderr, centre, rest = line_of_blocks(*points, limits)
-    limit, faults = sums.step + limits.onset_tolerance, {}
+    limit, faults, of_means = sums.step + limits.onset_tolerance, {}, np.nan
     gained = drift * seconds[-1] / DAY / 60
     if 60 * abs(gained) > limit and abs(drift) > sure(rest - 1, limits) * drift_stderr:
         value -= drift * centre
@@ -274,6 +273,8 @@ def judge(
         )
     if abs(value) > limit and abs(value) > sure(rest, limits) * stderr:
         faults["clock_shift"] = shift_line(value, stderr, limit)
+        later = [one() + far for one in blocks["of_means"]] - blocks["late"]
+        of_means = float(value + np.median(later))
     jumps = tuple((day_of(origin, c["seconds"]), c["by"]) for c in changes)
     if jumps:
         faults["dst"] = (
@@ -293,7 +294,7 @@ def judge(
         middle,
         hours,
         limit,
-        float(value) + later,
+        of_means,
     )
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -226,9 +227,9 @@ def measured_blocks(sums: Sums, changes: list, limits: Any) -> list[dict]:
     list of dict
         For each block whose clouds show the onset: ``day``, the place of its first day;
         ``seconds``, its middle since the first row; ``late``, the onset, positive if
-        the module is late, and its ``stderr`` [s]; ``of_means``, the onset if each
-        temperature is a mean over its step, and not the value at its end [s];
-        ``coarse``, the onset in rows.
+        the module is late, and its ``stderr`` [s]; ``of_means``, a function that gives
+        the onset if each temperature is a mean over its step, and not the value at its
+        end [s]; ``coarse``, the onset in rows.
     """
     length = np.clip(
         len(sums) / limits.onset_blocks, FEWEST_DAYS, limits.max_block_days
@@ -273,7 +274,13 @@ def measured_onset(sums: Sums, days: np.ndarray, limits: Any) -> dict | None:
         weights, rest = nnls(root.T, right)
         return weights, rest**2 - right @ right
 
-    onset = least_on_grid(lambda onset: weigh(onset)[1], coarse * sums.step, sums.step)
+    def fitted(over: float = 0.0) -> float:
+        """Onset of values, or of means over a time before each. [s]"""
+        return least_on_grid(
+            lambda onset: weigh(onset, over)[1], coarse * sums.step, sums.step
+        )
+
+    onset = fitted()
     weights = weigh(onset)[0]
     if not weights.any():
         return None
@@ -281,15 +288,12 @@ def measured_onset(sums: Sums, days: np.ndarray, limits: Any) -> dict | None:
     if not stderr < sums.step + limits.onset_tolerance:
         return None
     middle = np.average(sums.begin(days), weights=information) + sums.day / 2
-    of_means = least_on_grid(
-        lambda onset: weigh(onset, sums.step)[1], coarse * sums.step, sums.step
-    )
     return dict(
         day=days[0],
         seconds=middle,
         late=onset,
         stderr=stderr,
-        of_means=of_means,
+        of_means=partial(fitted, sums.step),
         coarse=coarse,
     )
 
