@@ -256,7 +256,7 @@ class Selection:
         it.
         """
         given = self.given(choices)
-        others = self.candidates(given, names_of(choices), without)
+        others = self.candidates(given, self.taken(choices), without)
         others = [one for one in others if one.effect.sensor_fault]
         falls = self.in_sample(others, given)
         firsts: dict[str, Candidate] = {}
@@ -354,6 +354,11 @@ class Selection:
                     columns = self.design.columns_of(effect)
                     yield replace(one, effect=effect, columns=columns)
 
+    def taken(self, choices: Iterable[Choice]) -> frozenset[str]:
+        """Names of some choices, and of other faults of the same law."""
+        tops = (one.top for one in choices)
+        return frozenset(one.name for one in self.with_same_law(tops))
+
     def best(
         self,
         choices: Sequence[Choice],
@@ -368,7 +373,7 @@ class Selection:
         """
         given = self.given(choices)
         best: Choice | None = None
-        others = self.candidates(given, names_of(choices), without)
+        others = self.candidates(given, self.taken(choices), without)
         falls, most = self.in_sample(others, given), least
         # on weeks left out it seldom explains more than on those that are fitted
         bounds = falls * [worth_share(one, 1.0 / PROFILE_ERROR) for one in others]
@@ -479,8 +484,7 @@ class Selection:
         given = self.given(others)
         searched = {top.name: top}
         # a change that is in the model may be the cause of other days, too
-        tops = (other.top for other in others)
-        taken = frozenset(one.name for one in self.with_same_law(tops))
+        taken = self.taken(others)
         rivals = [one for one in self.candidates(given) if one.beyond(given)]
         for one, fall in zip(rivals, self.in_sample(rivals, given)):
             if one.name in searched or fall < OVERLAP * choice.fall:
@@ -584,11 +588,6 @@ def worth_share(one: Candidate, sure: float) -> float:
     """
     cost = dates_cost(one.dates, sure)
     return 1.0 - 2.0 * cost / max(sure, 1e-12) ** 2
-
-
-def names_of(choices: Iterable[Choice]) -> set[str]:
-    """Names of the best candidates of some choices."""
-    return {one.top.name for one in choices}
 
 
 def dates_of(choices: Iterable[Choice]) -> int:

@@ -696,6 +696,25 @@ def test_a_rival_may_have_the_name_of_another_finding(fault):
     assert choice.first == f"{fault}_step"
 
 
+def test_a_law_is_taken_by_whichever_of_its_faults_is_reported():
+    """Two steps along one column, of which the first is given a sibling's name."""
+    random, (days, hours) = np.random.default_rng(4), clock(360)
+    rest = 1.5 * (days >= 90) - 2.0 * (days >= 200) + noise(random, len(days))
+    changing = [CHANGES[f"{name}_step"] for name in ("module_offset", "air_offset")]
+    columns = {"one": random.normal(size=len(days))}
+    made = design(rest, columns, days, hours, changing)
+    made = replace(made, sensor_faults={"module_offset": 2, "air_offset": 2})
+    selection = Selection(made, CRITERIA)
+    first = next(c for c in selection.candidates([1]) if c.name in CHANGES)
+    alone = Choice(first, selection.score(first, [1]))
+    others = selection.weighed(alone, []).members
+    assert {*others} == {"module_offset_step", "air_offset_step"}
+    for name, member in others.items():
+        reported = Choice(member, selection.score(member, [1]))
+        assert reported.top.name == name
+        assert selection.best([reported]) is None
+
+
 @given(st.integers(0, 2**32 - 1), st.integers(1, 2), st.integers(1, 2))
 def test_what_another_would_explain_is_its_fit_to_what_the_first_explains(
     seed, size, rival
