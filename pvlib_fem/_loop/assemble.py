@@ -112,6 +112,7 @@ def loop_of_search(search: "Search", last: Step, base: str) -> Loop:
         events=shown,
         patterns=patterns if PREDICTED in steps else (),
         hint_effects=tuple(hinted),
+        label=case.label,
     )
 
 

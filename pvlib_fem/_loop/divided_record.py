@@ -56,6 +56,8 @@ class Case:
     corrections: tuple[Correction, ...] = ()  # of the whole file
 
     late: float = 0.0  # of the file's times against the sun [s]
+    #: from the middle of its step to the time of a row, in steps
+    label: float = 0.0
     transposed: bool = False  # whether poa_global is, from the horizontal
     standing: tuple[StandIn, ...] = ()  # columns that stand in for others
     #: days on which the irradiance sensor does not turn
@@ -108,7 +110,8 @@ class Case:
 
     def placed(self, record: Record) -> Record:
         """A record with the place of sun and module, where that is known."""
-        places = geometry(record.index, **self.site)
+        late = self.label * record.inputs.step if self.label else 0.0
+        places = geometry(record.index, **self.site, late=late)
         return record.having({name: c.to_numpy() for name, c in places.items()})
 
     def placed_for(self, record: Record, names: Iterable[str]) -> Record:

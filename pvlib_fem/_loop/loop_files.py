@@ -91,6 +91,7 @@ def loop_content(loop: "Loop", cell: dict[str, float]) -> dict[str, Any]:
         "standings": loop.standings,
         "detachments": loop.detachments,
         "patterns": loop.patterns,
+        "label": loop.label,
         "fit": fit_content(loop.fit, cell),
     }
 
@@ -149,6 +150,7 @@ def loop_parts(
         standings=content.read("standings", tuple[Standing, ...], ()),
         detachments=content.read("detachments", tuple[Detachment, ...], ()),
         patterns=content.read("patterns", tuple[Pattern, ...], ()),
+        label=content.read("label", float, 0.0),
     )
     computed = {
         "week_rows": content.read("weeks", dict[str, int]),

@@ -23,6 +23,7 @@ from pvlib_fem._loop.loop_files import Reading, loop_content, loop_parts
 from pvlib_fem._loop.planes import is_same_plane, with_series
 from pvlib_fem._loop.predicted_patterns import Pattern, drivers_of, errors_by
 from pvlib_fem._modelchain import LOOP, DynamicCellTemperature
+from pvlib_fem._record.checks import usual_step
 from pvlib_fem._record.column_names import (
     COLUMNS,
     GEOMETRY,
@@ -154,6 +155,10 @@ class Loop:
     hint_effects : tuple of Effect
         Effects of the hints with their settings. A loop that was read from a file has
         none.
+    label : float
+        From the middle of its step to the time of a row: 0.5 steps if each row is a
+        mean over the step that ends at its time, -0.5 if it begins there. The sun is
+        taken at the middle. [steps]
     """
 
     finding_objects: tuple[Finding, ...]
@@ -184,6 +189,7 @@ class Loop:
     detachments: tuple[Detachment, ...] = ()
     patterns: tuple[Pattern, ...] = field(repr=False, default=())
     hint_effects: tuple[Effect, ...] = field(repr=False, default=())
+    label: float = 0.0
 
     @cached_property
     def week_rows(self) -> dict[str, int]:
@@ -312,7 +318,8 @@ class Loop:
         wanted = self.fit.thermal_model.drivers if wanted is None else wanted
         columns = {n: c for n, c in columns.items() if n not in ANGLES}
         if {*wanted} & {*GEOMETRY}:
-            columns = {**geometry(data.index, **there), **columns}
+            late = self.label * usual_step(data.index) if len(data) > 1 else 0.0
+            columns = {**geometry(data.index, **there, late=late), **columns}
         drivers = {name: columns[name] for name in wanted if name in columns}
         usual = [columns[n] if n in needed else None for n in COLUMNS[:3]]
         return usual, drivers

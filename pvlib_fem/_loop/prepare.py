@@ -117,7 +117,9 @@ def prepared_case(
         untestable |= {e.name: because(Reason.ESTIMATED) for e in scans}
         wanted = [effect for effect in wanted if effect.name not in untestable]
     whole, seen = used_record(look, sun)
-    stood = with_standings(site, whole.index, standings)
+    label = 0.0 if off else look.label(criteria.search_step)
+    late = label * whole.inputs.step if label else 0.0
+    stood = with_standings(site, whole.index, standings, late)
     case = Case(
         whole=whole,
         record=whole,
@@ -141,11 +143,13 @@ def prepared_case(
             *map(str, look.detachments),
             *map(str, standings),
             *fitted_weeks(spared),
+            *label_lines(label, bool(sun)),
             *notes_of(look, corrections, wanted, site, criteria),
         ),
         corrections=tuple(corrections),
         another_plane=other,
         late=look.late,
+        label=label,
         transposed=look.filled.horizontal is not None,
         standing=look.filled.standing,
         standings=standings,
@@ -196,12 +200,15 @@ def standings_in(look: Look, site: dict[str, Any]) -> tuple[Standing, ...]:
 
 
 def with_standings(
-    site: dict[str, Any], index: pd.DatetimeIndex, standings: tuple[Standing, ...]
+    site: dict[str, Any],
+    index: pd.DatetimeIndex,
+    standings: tuple[Standing, ...],
+    late: float,
 ) -> dict[str, Any]:
     """The site with the angles at which its sensor stood, on those days."""
     if not standings:
         return site
-    columns = geometry(index, **site)
+    columns = geometry(index, **site, late=late)
     angles = {name: columns[name].to_numpy(copy=True) for name in ANGLES}
     for one in standings:
         one.put_into(angles, index)
@@ -242,6 +249,16 @@ def fitted_weeks(spared: Collection[int]) -> Iterator[str]:
         yield (
             f"the week from {date_text(first)} on is fitted and not a test week: "
             "modules may have been stuck on some of its days"
+        )
+
+
+def label_lines(label: float, known: bool) -> Iterator[str]:
+    """A line on rows that have the time at which their step ends or begins."""
+    if label and known:
+        at, way = ("ends", "earlier") if label > 0 else ("begins", "later")
+        yield (
+            f"by the middle of the day's light each row is a mean over the step that "
+            f"{at} at its time: the sun is taken half a step {way}"
         )
 
 

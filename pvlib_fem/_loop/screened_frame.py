@@ -66,6 +66,19 @@ class Look:
         late = self.health.noon.late
         return late if np.isfinite(late) else 0.0
 
+    def label(self, shortest: float) -> float:
+        """
+        From the middle of its step to the time of a row: -0.5, 0 or 0.5 steps.
+
+        A mean over a step has the time at which the step begins, or ends, or its
+        middle. Which it is the middle of the day's light shows, of steps longer than
+        ``shortest`` [s]: hills move it by minutes.
+        """
+        step = self.whole.inputs.step
+        if not step > shortest:
+            return 0.0
+        return float(np.sign(np.round(2.0 * self.late / step)) / 2.0) + 0.0
+
 
 def screened_frame(
     data: pd.DataFrame,

@@ -53,6 +53,7 @@ def geometry(
     surface_tilt: float | None = None,
     surface_azimuth: float | None = None,
     mount: Any = None,
+    late: float = 0.0,
 ) -> dict:
     """
     Columns of solar position and module plane, as far as they are known.
@@ -66,6 +67,8 @@ def geometry(
         Angles of a fixed plane. [°]
     mount : pvlib.pvsystem.AbstractMount or ByColumns, optional
         A plane that moves; a tracker needs the location.
+    late : float, default 0
+        By how much the times are late; columns of a record are as late. [s]
 
     Returns
     -------
@@ -78,16 +81,16 @@ def geometry(
     ValueError
         If the mount is ``"columns"``: then each record has to have the angles.
     """
-    columns = {}
+    columns, then = {}, index - pd.Timedelta(seconds=late) if late else index
     if location is not None:
-        columns |= dict(sun(index, location))
+        columns |= dict(sun(then, location).set_axis(index))
     for name, value in zip(ANGLES, (surface_tilt, surface_azimuth)):
         if value is not None:
             # a view of one number
             everywhere = np.broadcast_to(float(value), len(index))
             columns[name] = pd.Series(everywhere, index, copy=False)
     if mount is not None:
-        moving = plane_angles(mount, index, location)
+        moving = plane_angles(mount, then, location, index)
         columns |= {name: pd.Series(v, index) for name, v in moving.items()}
     return columns
 

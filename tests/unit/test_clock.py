@@ -6,7 +6,7 @@ import pytest
 from conftest import COLUMNS, measured
 from pvlib.location import Location
 
-from pvlib_fem import close_loop, datasets, ewm, fit_fem, simulator
+from pvlib_fem import Criteria, Loop, close_loop, datasets, ewm, fit_fem, simulator
 from pvlib_fem._record.inputs import as_record
 from pvlib_fem.quality._lag import coarse_lag
 from pvlib_fem.quality._limits import Limits
@@ -365,3 +365,42 @@ def test_the_measured_week_has_a_right_clock_by_any_rows(week):
         rows = rows_of(week, step)
         assert lag_of(rows).late == 0
         assert lag_of(late_by(rows, 7)).late == 7 * 3600
+
+
+@pytest.fixture(scope="module")
+def ten_minutes():
+    """Values, with a reflection at high angles that only the sun's position shows."""
+    effects = PHYSICS | {"sky_radiation": 1.0, "incidence_angle": 3.0}
+    return simulator.record(RHINE, effects, 120, 600.0, 0, start="2023-03-01")
+
+
+@pytest.mark.parametrize("name, label", [("left", -0.5), (None, 0.0), ("right", 0.5)])
+def test_the_sun_is_in_the_middle_of_a_mean_however_it_is_labelled(
+    ten_minutes, name, label, tmp_path
+):
+    site = ten_minutes.attrs["site"]
+    plane = {n: site[n] for n in ("surface_tilt", "surface_azimuth")}
+    place = {"location": Location(site["latitude"], site["longitude"]), **plane}
+    hours = ten_minutes.resample("1h", label=name or "left").mean()
+    if name is None:
+        hours = hours.set_axis(hours.index + pd.Timedelta(minutes=30))
+    loop = close_loop(hours, effects=["sky_radiation", "incidence_angle"], **place)
+    assert loop.label == label
+    assert any("the sun is taken half a step" in n for n in loop.notes) == bool(label)
+    assert loop.effects == ["sky_radiation", "incidence_angle"]
+    # by the begin of each hour it is 0.635 K, by its end 0.737 K without the effect
+    assert loop.table.loc[loop.last, "rmse_test"] < 0.61
+    loop.to_json(tmp_path / "loop.json")
+    read = Loop.from_json(tmp_path / "loop.json")
+    pd.testing.assert_series_equal(read.predict(hours), loop.predict(hours))
+
+
+def test_shorter_steps_have_the_sun_of_their_times(ten_minutes):
+    site = ten_minutes.attrs["site"]
+    place = Location(site["latitude"], site["longitude"])
+    late = ten_minutes.set_axis(ten_minutes.index + pd.Timedelta(minutes=2))
+    for data, wanted in ((late, 0.0), (late.shift(freq="3min"), 0.5)):
+        loop = close_loop(data, location=place, effects=[])
+        assert loop.label == wanted
+    few = Criteria(search_step=600.0)
+    assert close_loop(data, location=place, effects=[], criteria=few).label == 0.0
