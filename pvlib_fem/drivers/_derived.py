@@ -14,6 +14,7 @@ from pvlib_fem._record.column_names import GEOMETRY, PLANT_POWER, kind_of_power
 from pvlib_fem._record.inputs import Inputs
 from pvlib_fem.drivers._lagged_inputs import (
     HOUR,
+    air_of_weeks,
     day,
     day_angle,
     elapsed,
@@ -85,6 +86,7 @@ DERIVED = {
     "poa_past_1h": (("poa_global",), weighted_past(HOUR)),
     "poa_past_3h": (("poa_global",), weighted_past(3.0 * HOUR)),
     "air_past": (("temp_air",), weighted_past(3.0 * HOUR)),
+    "air_of_weeks": (("temp_air",), air_of_weeks),
     "poa_stored_1h": (("poa_past_1h", "poa_global"), past_minus_present),
     "poa_stored_3h": (("poa_past_3h", "poa_global"), past_minus_present),
     "air_stored": (("air_past", "temp_air"), past_minus_present),
@@ -250,7 +252,7 @@ POWER_OFF = tuple(f"power_off{kind_of_power(power)}" for power in PLANT_POWER)
 REMEMBERED = (
     *("beam_around", "cloud_share", "wetness", "days_since_rain"),
     *("snow_cover", "snow_left", "poa_past_1h", "poa_past_3h", "air_past"),
-    *("frost_past_day", *POWER_OFF),
+    *("air_of_weeks", "frost_past_day", *POWER_OFF),
 )
 
 #: drivers of these with a memory of hours, and the constant that sets it [s]

@@ -9,6 +9,8 @@ from pvlib_fem._record.inputs import Inputs
 from pvlib_fem._relaxation import relax
 
 HOUR = 3600.0  # s
+DAY = 24.0 * HOUR
+YEAR = 365.0 * DAY
 
 
 def smoothed(column: np.ndarray, inputs: Inputs, memory: float) -> np.ndarray:
@@ -77,6 +79,41 @@ def weighted_past(memory: float) -> Any:
         f"Mean of the past {memory / HOUR:g} h, weighted by age. [unit of the column]"
     )
     return mean
+
+
+def air_of_weeks(
+    temp_air: np.ndarray, inputs: Inputs, *, memory: float = 16.0
+) -> np.ndarray:
+    """
+    Air temperature of the past days or weeks, weighted by age. [°C]
+
+    The year before the record is taken to be like its own first year. A record below a
+    year begins with the weighted mean of what comes.
+
+    Parameters
+    ----------
+    temp_air : array, shape (rows,)
+        [°C]
+    inputs : Inputs
+        For the times.
+    memory : float, default 16
+        Time constant. [days]
+
+    Returns
+    -------
+    array, shape (rows,)
+        NaN where ``temp_air`` is.
+    """
+    temp_air = np.asarray(temp_air, dtype=float)
+    steps, length = inputs.steps, memory * DAY / inputs.unit
+    to_come = backwards(temp_air, np.broadcast_to(steps, len(temp_air)), length)
+    known = np.flatnonzero(~np.isnan(to_come))
+    if not len(known):
+        return to_come
+    past = relax(temp_air, steps, length, to_come[known[0]])
+    since = inputs.seconds[known]
+    year_on = known[since >= since[0] + YEAR]
+    return relax(temp_air, steps, length, past[year_on[0]]) if len(year_on) else past
 
 
 def past_minus_present(

@@ -12,6 +12,7 @@ from pvlib_fem.effects._user_column import of_column
 from pvlib_fem.effects.catalogue.air_elsewhere import EFFECT as air_elsewhere
 from pvlib_fem.effects.catalogue.air_shield import EFFECT as air_shield
 from pvlib_fem.effects.catalogue.electrical_output import EFFECT as electrical_output
+from pvlib_fem.effects.catalogue.ground_or_water import EFFECT as ground_or_water
 from pvlib_fem.effects.catalogue.incidence_angle import EFFECT as incidence_angle
 from pvlib_fem.effects.catalogue.modules_covered import EFFECT as modules_covered
 from pvlib_fem.effects.catalogue.natural_convection import EFFECT as natural_convection
@@ -57,6 +58,7 @@ PHYSICS = {
         natural_convection,
         wind_shape,
         thermal_storage,
+        ground_or_water,
         incidence_angle,
         rear_irradiance,
         poa_misalignment,

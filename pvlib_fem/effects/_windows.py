@@ -6,7 +6,7 @@ starts with the best rectangle. It then adds or cuts the best further rectangle 
 as that reduces the error enough.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -17,6 +17,7 @@ from pvlib_fem._statistics.extremes import ALIKE, as_normal, rounded_argmax
 from pvlib_fem._statistics.leastsquares import products
 from pvlib_fem._statistics.weekly_sums import effective_number
 
+TINY = 1e-12  # K², of a column without any response
 UNSEEN = 1e-6  # of a column's square; a smaller independent part counts as zero
 BLOCK = (5.0, 10.0)  # ° of elevation and azimuth of the rectangle that starts a search
 STARTS = 5  # number of starts
@@ -272,6 +273,35 @@ def of_pairs(strip: np.ndarray, there: np.ndarray, weigh: Callable) -> np.ndarra
     known, also = end[2:], strip[2:]
     squares = (also**2).sum(axis=0)[:, None] + (known**2).sum(axis=0)
     return np.triu(weigh(product, square, squares - 2.0 * also.T @ known), 1)
+
+
+def explained_alone(
+    rest: np.ndarray, tangents: Mapping[str, np.ndarray], names: Sequence[str]
+) -> np.ndarray:
+    """
+    What each of some tangents explains of a residual, with its sign.
+
+    Parameters
+    ----------
+    rest : array, shape (rows,)
+        Residual, without the other tangents. [K]
+    tangents : dict of array, shape (rows,)
+        By name.
+    names : sequence of str
+        Of the tangents that are compared.
+
+    Returns
+    -------
+    array, shape (names,)
+        Reduction of the sum of squares, negative for a tangent with a negative
+        coefficient; 0 for one without response. [K²]
+    """
+    mine = np.column_stack([tangents[name] for name in names])
+    # the others are no longer in the residual
+    basis = orthonormal([c for name, c in tangents.items() if name not in names])
+    mine = mine - basis @ (basis.T @ mine)
+    along = rest @ mine
+    return along * np.abs(along) / (np.square(mine).sum(axis=0) + TINY)
 
 
 def orthonormal(columns: list, rows: Any = slice(None)) -> np.ndarray:

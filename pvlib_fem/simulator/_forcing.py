@@ -21,7 +21,15 @@ from pvlib_fem.simulator._convection import FORCED, NATURAL
 from pvlib_fem.simulator._deposits import SNOW_BELOW, dirt, ground_albedo, snow_cover
 from pvlib_fem.simulator._ground import beam_transmittance, plane
 from pvlib_fem.simulator._schedules import curtailed_hours, undeclared_heat
-from pvlib_fem.simulator._surroundings import AIR, BACK, GLASS, LIGHT, WIND, sum_of_laws
+from pvlib_fem.simulator._surroundings import (
+    AIR,
+    BACK,
+    GLASS,
+    LAKE,
+    LIGHT,
+    WIND,
+    sum_of_laws,
+)
 from pvlib_fem.simulator._tracker import orientation
 
 if TYPE_CHECKING:
@@ -152,7 +160,7 @@ def undeclared_heats(
     air = weather["temp_air"].to_numpy()
     front, back = undeclared_heat(times_of(weather), air, on, site.forms)
     front = front + sum_of_laws(GLASS, weather, site, on)
-    return front, back + sum_of_laws(BACK, weather, site, on)
+    return front, back + sum_of_laws(BACK | LAKE, weather, site, on)
 
 
 def electrical_output(

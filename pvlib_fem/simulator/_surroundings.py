@@ -1,5 +1,7 @@
 """
-Causes that are not in the catalogue of effects: heat, light, air, wind and readings.
+Causes around the module: heat, light, air, wind and readings.
+
+All but the lake are not in the catalogue of effects.
 
 Each law has the name of its switch and returns amplitude 1. A site's hours, directions
 and limits are drawn from the weather's seed, with separate random numbers for each law.
@@ -218,6 +220,22 @@ def frozen_contact(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     return 0.2 * (weather["temp_air"].to_numpy() < limit)
 
 
+def water(weather: pd.DataFrame, site: "Site") -> np.ndarray:
+    """
+    A lake below the module, by 6 W/(m² K) of radiation and 2 of air. [W/m²]
+
+    The surface of mixed water loses 30 W/(m² K), and sun warms it by 0.01 K/(W/m²): J.
+    E. Edinger et al., Water Resources Research 4, 1137 (1968),
+    :doi:`10.1029/WR004i005p01137`. It is 2 to 10 m deep, and the year before was the
+    same.
+    """
+    depth = random_of_law(weather, "water").uniform(2.0, 10.0)  # m
+    lag = depth * 4.2e6 / 30.0 / even_step(times_of(weather))
+    air, ghi = (weather[name].to_numpy() for name in ("temp_air", "ghi"))
+    warmed = np.tile(air + 0.01 * ghi, 2)
+    return 8.0 * (first_order_response(warmed, lag)[len(air) :] - air)
+
+
 #: laws by the changed quantity: heat on the glass and behind it, light on the module,
 #: its air, the wind there (share lost), its sensor's reading, its contact (share lost)
 GLASS = {"fog": fog}
@@ -232,6 +250,8 @@ AIR = {"sea_breeze": sea_breeze, "misters": misters}
 WIND = {"lorries": lorries}
 READING = {"charger": charger}
 CONTACT = {"frozen_contact": frozen_contact}
+#: a law behind it that is in the catalogue
+LAKE = {"water": water}
 
 
 def sum_of_laws(

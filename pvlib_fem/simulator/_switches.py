@@ -35,6 +35,7 @@ SWITCHES = {
     "tracker_stuck_sensor": "the row of the irradiance sensor does so",
     # shapes
     "thermal_storage": "ground or roof stores heat; 0: it is at air temperature",
+    "water": "8 W/(m² K) behind it to a lake that follows air and sun by weeks",
     "rear_irradiance": "light on the back of a rack; 0: dark",
     "season": "4 % more light absorbed in midwinter, 4 % less in midsummer; 0: even",
     "wind_scatter": "wind at the module differs from the mast's, sd 0.3; 0: in step",

@@ -12,6 +12,7 @@ from pvlib_fem._record.inputs import read
 from pvlib_fem._statistics.axes import DRY
 from pvlib_fem.drivers import (
     DERIVED,
+    Driver,
     _lagged_inputs as memory,
     _sky_deficit as sky,
     _solar as solar,
@@ -281,6 +282,31 @@ def test_what_is_stored_vanishes_where_nothing_changes(name):
     tau = 60.0 if name.endswith("1h") else 180.0
     want = -100.0 * np.exp(-np.arange(1, 721) / tau)
     np.testing.assert_allclose(derived({column: later}, name)[name][720:], want)
+
+
+def test_water_follows_the_air_by_its_time_constant():
+    """After a step as the kernel; before a year as at the same date a year later."""
+    index = pd.date_range("2023-01-01", periods=500 * 24, freq="1h")
+    steady = pd.Series(7.0, index)
+    water = Driver("air_of_weeks", memory=8.0)
+    same = derived({"temp_air": steady}, water)[water]
+    np.testing.assert_allclose(same, 7.0)
+    day = np.arange(len(index)) / 24.0
+    later = steady.where(day < 450.0, 17.0)
+    found = derived({"temp_air": later}, water)[water][day >= 450.0]
+    want = 17.0 - 10.0 * np.exp(-(np.arange(len(found)) + 1.0) / 24.0 / 8.0)
+    np.testing.assert_allclose(found, want)
+    year = pd.Series(np.sin(2 * np.pi * day / 365.0), index)
+    found = derived({"temp_air": year}, "air_of_weeks")["air_of_weeks"]
+    again = found[365 * 24 :][: 100 * 24]
+    np.testing.assert_allclose(found[: 100 * 24], again, atol=1e-3)
+    lag = np.arctan(2 * np.pi * 16.0 / 365.0)
+    lagged = np.cos(lag) * np.sin(2 * np.pi * day / 365.0 - lag)
+    np.testing.assert_allclose(found, lagged, atol=1e-3)
+    gap = year.where((day > 20.0) & (day != 100.0))
+    some = derived({"temp_air": gap}, "air_of_weeks")["air_of_weeks"]
+    assert np.array_equal(np.isnan(some), np.isnan(gap))
+    np.testing.assert_allclose(some[day > 150.0], lagged[day > 150.0], atol=2e-3)
 
 
 def test_hours_count_from_the_last_rain_up_to_three_days():

@@ -46,6 +46,7 @@ PLANTED = {
     "natural_convection": {"free": 5.6},
     "wind_shape": {"root": 4.0, "stall": -5.0},
     "thermal_storage": {"hour": 0.1, "three_hours": 0.15, "air": 4.0},
+    "ground_or_water": {"exchange": 4.0},
     "incidence_angle": {"b0": 0.05},
     "rear_irradiance": {"share": 0.2},
     "poa_misalignment": {"tilt": 3.0, "azimuth": -8.0},

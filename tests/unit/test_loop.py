@@ -572,6 +572,21 @@ def test_progress_is_heard_and_one_effect_may_be_asked():
     assert any("round 1" in words for words in heard)
 
 
+@pytest.mark.parametrize("seed", [2, 5])
+def test_water_below_the_modules_is_no_drift_of_a_thermometer(seed):
+    """A lake of 2 to 10 m; the record has neither its temperature nor its depth."""
+    effects = simulator.PHYSICS | {"sky_radiation": 1.0, "water": 1.0}
+    data = simulator.record(simulator.RHINE, effects, 365, 1800.0, seed)
+    loop = fem.close_loop(data.drop(columns="p_dc_per_area"), **PLACE)
+    assert {*loop.effects} == {"ground_or_water", "sky_radiation"}
+    water = next(f for f in loop.finding_objects if f.effect == "ground_or_water")
+    assert water.probabilities["ground_or_water"] > 0.9
+    low, high = water.ranges["ground_or_water.exchange"]
+    assert 0.0 < low < 8.0 < high  # W/(m² K)
+    errors = loop.table["rmse_test"]
+    assert errors[loop.last] < 0.4 * errors[loop.base]
+
+
 def test_the_measured_week_is_too_short_to_name_anything(week):
     loop = fem.close_loop(week)
     assert loop.effects == [] and loop.notes == ()
@@ -640,6 +655,7 @@ def test_names_of_the_effects_are_those_of_the_contract():
         "natural_convection",
         "wind_shape",
         "thermal_storage",
+        "ground_or_water",
         "incidence_angle",
         "rear_irradiance",
         "poa_misalignment",

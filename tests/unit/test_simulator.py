@@ -338,6 +338,7 @@ EFFECTS = [
     ("shading", 1, "temp_module", -1, 0.3, 1.2),
     ("shading_sensor", 1, "poa_global", -1, 10.0, 50.0),
     ("thermal_storage", 1, "temp_module", 1, 0.5, 2.0),
+    ("water", 1, "temp_module", 0, 0.3, 2.0),
     ("rear_irradiance", 1, "temp_module", 1, 0.4, 2.0),
     ("season", 1, "temp_module", 0, 0.1, 0.6),
     ("wind_scatter", 1, "temp_module", 0, 0.3, 1.2),

@@ -6,7 +6,7 @@ import numpy as np
 
 from pvlib_fem.drivers import Driver
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
-from pvlib_fem.effects._windows import orthonormal
+from pvlib_fem.effects._windows import explained_alone
 
 
 def terms(
@@ -69,12 +69,7 @@ def scan(
 ) -> Effect:
     """The effect with the rain that cleans whose soiling fits the residual best."""
     keys = [f"soiling.per_day_{i}" for i in range(len(RAINS))]
-    gathered = np.column_stack([tangents[key] for key in keys])
-    # constant soiling and the fitted coefficients are no longer in the residual
-    basis = orthonormal([c for key, c in tangents.items() if key not in keys])
-    gathered = gathered - basis @ (basis.T @ gathered)
-    squares = np.square(gathered).sum(axis=0)
-    explained = (rest @ gathered) ** 2 / (squares + TINY)
+    explained = np.abs(explained_alone(rest, tangents, keys))
     return soiling_by_rain(**RAINS[int(np.argmax(explained))])
 
 
@@ -88,7 +83,6 @@ RAINS = tuple(
     for within, grace in SPANS
     for amount in AMOUNTS
 )
-TINY = 1e-12  # where it never rains, soiling has no response
 PER_DAY = Parameter(0.0, -0.01, 0.01, "1/day")
 EFFECT = Effect(
     "soiling",
