@@ -16,7 +16,7 @@ from pvlib_fem._fitting.stand_ins import stand_in_names
 from pvlib_fem._former_names import arguments_in_new_names, keys_in_new_names
 from pvlib_fem._loop.assemble import loop_of_search
 from pvlib_fem._loop.conclude import check_of_bounds, finding_of, hint_of
-from pvlib_fem._loop.correct_clock import by_means_or_ends, module_clock
+from pvlib_fem._loop.correct_clock import module_clock
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.cross_checks import cross_checks, log_likelihoods
@@ -365,10 +365,7 @@ class Search:
         self.steps[base] = step
         if self.case.clock.fault:
             self.report("correcting the clock")
-            self.fits = by_means_or_ends(self.fits, raw)
-        if self.case.clock.fault:
-            clock = self.case.clock
-            self.fits, step, correction = module_clock(self.fits, raw)
+            self.fits, step, clock, correction = module_clock(self.fits, raw)
             if correction is not None:
                 self.corrections.append(correction)
                 self.clock = clock

@@ -13,45 +13,9 @@ from pvlib_fem.reasons import Reason, because
 FALL = 2.0  # standard errors, by which the error has to fall
 
 
-def module_clock(fits: Fits, raw: Step) -> tuple[Fits, Step, Correction | None]:
+def module_clock(fits: Fits, raw: Step) -> tuple[Fits, Step, Clock, Correction | None]:
     """
     The module's record re-timed, and the same model fitted to it.
-
-    Parameters
-    ----------
-    fits : Fits
-        Of the record as it came.
-    raw : Step
-        The model on it.
-
-    Returns
-    -------
-    Fits, Step, Correction or None
-        The fits and the step to go on from: of the corrected record, if its error is
-        surely smaller; else as given, with a note and no correction.
-    """
-    case = fits.case
-    other = Fits(case.corrected())
-    step = other.fitted(raw.model, raw).as_base()
-    rows = case.fitting & np.isfinite(raw.temperature + step.temperature)
-    rows &= np.isfinite(raw.measured + step.measured)  # a clock's ends have none
-    before, after = (one.error(rows) for one in (raw, step))
-    squares = [(one.measured - one.temperature)[rows] ** 2 for one in (raw, step)]
-    errors = mean_in_errors(squares[0] - squares[1], case.whole.dates[rows])
-    check = Check("fall of the error", "", errors, FALL, unit="standard errors")
-    if check.passed:
-        return other, step, clock_correction(case.clock, before, after, check)
-    note = (
-        f"{'; '.join(case.clock.faults.values())}, by the time at which it answers "
-        "irradiance; it is not corrected, since the error is no smaller with that"
-    )
-    case = replace(case, clock=Clock(), notes=(*case.notes, note))
-    return Fits(case), raw, None
-
-
-def by_means_or_ends(fits: Fits, raw: Step) -> Fits:
-    """
-    The fits with the clock of the habit of the module's logger that fits better.
 
     Temperatures that are means over a step look late by more than half a step, if they
     are read as values at its end. The changes of both columns seldom show which they
@@ -66,18 +30,36 @@ def by_means_or_ends(fits: Fits, raw: Step) -> Fits:
 
     Returns
     -------
-    Fits
+    Fits, Step, Clock, Correction or None
+        The fits and the step to go on from: of the corrected record, if its error is
+        surely smaller; else as given, with a note and no correction. The clock is that
+        by which the record was corrected.
     """
-    clock = fits.case.clock
-    if "clock_shift" not in clock.faults or not np.isfinite(clock.of_means):
-        return fits
-    cases = [replace(fits.case, clock=one) for one in (clock, clock.by_means)]
-    steps = [Fits(case.corrected()).fitted(raw.model, raw) for case in cases]
-    rows = fits.case.fitting & np.isfinite(raw.temperature)
-    for step in steps:
-        rows = rows & np.isfinite(step.measured + step.temperature)
-    ends, means = (step.error(rows) for step in steps)
-    return Fits(cases[1]) if means < ends else fits
+    case, clocks = fits.case, [fits.case.clock]
+    if "clock_shift" in case.clock.faults and np.isfinite(case.clock.of_means):
+        clocks.append(case.clock.by_means)
+    others = [Fits(replace(case, clock=one).corrected()) for one in clocks]
+    steps = [other.fitted(raw.model, raw).as_base() for other in others]
+    rows = case.fitting & np.isfinite(raw.measured + raw.temperature)
+    for one in steps:  # a clock's ends have no temperature
+        rows = rows & np.isfinite(one.measured + one.temperature)
+    best = int(np.argmin([one.error(rows) for one in steps]))
+    clock, step = clocks[best], steps[best]
+    if not clock.fault:  # of means it is not late
+        return Fits(replace(case, clock=clock)), raw, clock, None
+    before, after = (one.error(rows) for one in (raw, step))
+    squares = [(one.measured - one.temperature)[rows] ** 2 for one in (raw, step)]
+    errors = mean_in_errors(squares[0] - squares[1], case.whole.dates[rows])
+    check = Check("fall of the error", "", errors, FALL, unit="standard errors")
+    if check.passed:
+        correction = clock_correction(clock, before, after, check)
+        return others[best], step, clock, correction
+    note = (
+        f"{'; '.join(clock.faults.values())}, by the time at which it answers "
+        "irradiance; it is not corrected, since the error is no smaller with that"
+    )
+    case = replace(case, clock=Clock(), notes=(*case.notes, note))
+    return Fits(case), raw, clock, None
 
 
 def mean_in_errors(fall: np.ndarray, dates: np.ndarray) -> float:

@@ -17,7 +17,7 @@ from conftest import COLUMNS, measured
 
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
-from pvlib_fem._loop.correct_clock import by_means_or_ends, module_clock
+from pvlib_fem._loop.correct_clock import module_clock
 from pvlib_fem._loop.prepare import prepared_case
 from pvlib_fem._loop.refits import Fits
 from pvlib_fem._record.resampling import coarse
@@ -367,13 +367,14 @@ def test_a_correction_that_does_not_lower_the_error_is_a_note():
     case = prepared_case(
         late, fem.drivers.checked_place(**PLACE), None, None, fem.Criteria()
     )
-    wrong = replace(case.clock, late=-case.clock.late)
+    clock = case.clock
+    wrong = replace(clock, late=-clock.late, of_means=-clock.of_means)
     fits = Fits(replace(case, clock=wrong))
     raw = fits.bases(steady_model("faiman"))["balance"]
-    after, step, clock = module_clock(fits, raw)
+    after, step, _, clock = module_clock(fits, raw)
     assert clock is None and step is raw and not after.case.clock.fault
     assert "not corrected, since the error is no smaller" in after.case.notes[-1]
-    after, step, clock = module_clock(Fits(case), raw)
+    after, step, _, clock = module_clock(Fits(case), raw)
     assert clock.applied and clock.after < clock.before and clock.checks[0].passed
 
 
@@ -394,7 +395,7 @@ def test_a_clock_is_right_of_means_and_of_values_at_the_end_of_a_step(means):
     )
     fits = Fits(case)
     raw = fits.bases(steady_model("faiman"))["balance"]
-    found = by_means_or_ends(fits, raw).case.clock
+    found = module_clock(fits, raw)[2]
     assert found.late / 60.0 == pytest.approx(30.0, abs=5.0)
     assert f"run {found.late / 60.0:.1f} ± " in found.why
 
