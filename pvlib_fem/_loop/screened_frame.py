@@ -1,6 +1,6 @@
 """A user's frame as its sensors and clocks show it, before any fit."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -25,6 +25,7 @@ from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem.drivers import DERIVED, MODELLED
 from pvlib_fem.quality._check import Health, check
 from pvlib_fem.quality._detached_sensor import Detachment, detachments_of
+from pvlib_fem.quality._irradiance_clock import twin_clock
 from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._module_lag import Clock
 from pvlib_fem.quality._screen import Faults, screened_alone
@@ -138,9 +139,11 @@ def screened_frame(
     stuck = health.mask | still
     detachments, off = detached_rows(hidden, whole, test, stuck, health.clock)
     timed = in_time(hidden, health.clock).inputs
-    odd = tuple(oddities(timed, limits, hidden.absent))
+    powers = [*filter(is_power, (*drivers, *comparing))]
+    untimed, lines = powers_off_time(whole, powers, limits)
+    odd = (*oddities(timed, limits, hidden.absent), *lines)
     return Look(
-        whole=whole,
+        whole=whole.lacking(untimed),
         held_out=test,
         drivers=drivers,
         cross_check_columns=comparing,
@@ -177,6 +180,24 @@ def test_rows(
     elif record.count_days(seen) > 1:
         test = record.days % 2 == 1
     return test & ~np.isin(record.dates, [*spared])
+
+
+def powers_off_time(
+    record: Record, powers: Iterable[str], limits: Limits
+) -> tuple[dict[str, np.ndarray], list[str]]:
+    """Rows in which the clock of each power is not that of irradiance, and lines."""
+    off, lines = {}, []
+    for name in powers:
+        light, index = record["poa_global"], record.index
+        clock = twin_clock(light, record[name], index, limits)
+        if clock.off.any():
+            off[name] = clock.off
+            days = len(np.unique(record.dates[clock.off]))
+            lines.append(
+                f"{name} is not used on {days:,} days: its timestamps {clock.line}; "
+                "bring them to one clock"
+            )
+    return off, lines
 
 
 def detached_rows(

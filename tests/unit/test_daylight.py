@@ -6,7 +6,7 @@ import pytest
 from conftest import COLUMNS, measured
 from pvlib.location import Location
 
-from pvlib_fem import simulator
+from pvlib_fem import close_loop, simulator
 from pvlib_fem.quality._daylight import daylight_saving
 from pvlib_fem.quality._irradiance_clock import twin_clock
 from pvlib_fem.quality._noon import solar_noon_shift
@@ -432,3 +432,27 @@ def test_one_of_two_clocks_that_was_set_is_told(years):
     ((day, by),) = found.jumps
     assert by == 3600 and abs(day - pd.Timestamp("2023-04-10")) <= pd.Timedelta("2D")
     assert "jump against those of poa_global by +60 min on 2023-04" in found.line
+
+
+@pytest.mark.parametrize("kind", ["right", "covered", "threshold", "late"])
+def test_a_power_that_is_late_for_weeks_is_not_used_on_these_days(years, kind):
+    """A cover until ten moves one edge of the light; a threshold moves both apart."""
+    data = years["Europe/Berlin"][:"2023-04-30"]
+    power = 8.0 * data["poa_global"]
+    there = (data.index >= "2023-03-01") & (data.index < "2023-04-01")
+    if kind == "covered":
+        power = power.mask(there & (data.index.hour < 10), 0.0)
+    elif kind == "threshold":
+        power = power.where(power > 0.06 * power.max(), 0.0)
+    elif kind == "late":
+        power = power.mask(there, power.shift(6))
+    light, index = data["poa_global"].to_numpy(), data.index
+    off = twin_clock(light, power.to_numpy(), index).off
+    if kind != "late":
+        assert not off.any()
+        return
+    days = pd.Series(off, index).resample("D").max()
+    due = (days.index >= "2023-03-01") & (days.index < "2023-04-01")
+    assert (days != due).sum() <= 4 and days.sum() >= 29
+    loop = close_loop(data.assign(power_dc=power)[[*COLUMNS, "power_dc"]], effects=[])
+    assert any(n.startswith("power_dc is not used on ") for n in loop.notes)
