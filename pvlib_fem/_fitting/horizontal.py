@@ -8,6 +8,7 @@ import pandas as pd
 from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
+from pvlib_fem._record.checks import usual_step
 from pvlib_fem._record.column_names import numeric, with_aliases
 from pvlib_fem._record.parquet import Made, ParquetRecord
 from pvlib_fem._record.ranges import possible_range
@@ -23,7 +24,7 @@ from pvlib_fem.drivers._transposition import (
     is_split,
 )
 from pvlib_fem.quality._limits import Limits
-from pvlib_fem.quality._noon import solar_noon_shift
+from pvlib_fem.quality._noon import SolarNoon, label_by_sun, solar_noon_shift
 from pvlib_fem.quality._screen import screen_record
 
 LIGHT = "poa_global"
@@ -100,9 +101,10 @@ def transpose_record(
 
     Notes
     -----
-    The solar position is that at the times of the rows. If rows are means over a long
-    step, give the times of its middle. :doc:`/guide/fewer_sensors` has the loss of
-    accuracy.
+    The solar position is that at the times of the rows, or half a step before or after
+    them if the daily course of ``ghi`` shows that they are means over the step that
+    ends or begins there (of steps above 5 min); a note says so.
+    :doc:`/guide/fewer_sensors` has the loss of accuracy.
 
     References
     ----------
@@ -146,12 +148,14 @@ class InPlane:
 
     place: dict
     transposition: str
+    late: float = 0.0  # [s]
 
     def __call__(self, columns: Any, index: Any) -> Any:
         light = {
             n: possible_values(n, columns[n]) for n in ("ghi", *PARTS) if n in columns
         }
-        return in_plane(light, index, self.place, self.transposition).to_numpy()
+        how = self.place, self.transposition, self.late
+        return in_plane(light, index, *how).to_numpy()
 
 
 def files_in_plane(
@@ -195,13 +199,15 @@ def files_in_plane(
     means = sums.inputs()
     times = pd.DatetimeIndex(means.index)
     horizontal = (means.columns["ghi"], times, place["location"], 0.0, 180.0)
-    refuse_clock(solar_noon_shift(*horizontal, limits).faults)
+    noon = solar_noon_shift(*horizontal, limits)
+    refuse_clock(noon.faults)
+    late, lines = sun_of_means(noon, means.step)
     rest = {n: c for n, c in source.columns.items() if n not in ("ghi", *PARTS)}
     return replace(
         source,
         columns=rest,
-        made=Made(LIGHT, needs, InPlane(place, transposition)),
-        notes=(*source.notes, words_of(needs, transposition)),
+        made=Made(LIGHT, needs, InPlane(place, transposition, late)),
+        notes=(*source.notes, words_of(needs, transposition), *lines),
     )
 
 
@@ -254,12 +260,26 @@ def with_plane(
     for name in parts:
         light[name], more = cleaned_irradiance(name, columns, limits, check_units)
         notes += more
+    horizontal = (light["ghi"].to_numpy(), index, place["location"], 0.0, 180.0)
+    noon = solar_noon_shift(*horizontal, limits)
     if check_clock:
-        horizontal = (light["ghi"].to_numpy(), index, place["location"], 0.0, 180.0)
-        refuse_clock(solar_noon_shift(*horizontal, limits).faults)
-    return {**columns, **light, LIGHT: in_plane(light, index, place, transposition)}, (
-        *notes,
+        refuse_clock(noon.faults)
+    late, lines = sun_of_means(noon, usual_step(index))
+    made = in_plane(light, index, place, transposition, late)
+    return {**columns, **light, LIGHT: made}, (*notes, *lines)
+
+
+def sun_of_means(noon: SolarNoon, step: float) -> tuple[float, list[str]]:
+    """By how much rows of means are after the middle of their steps [s], and a line."""
+    label = 0.0 if noon.faults else label_by_sun(noon.late, step)
+    if not label:
+        return 0.0, []
+    at = "ends" if label > 0 else "begins"
+    line = (
+        f"by the middle of the day's light each row of ghi is a mean over the step "
+        f"that {at} at its time: it is transposed with the sun at the middle of that"
     )
+    return label * step, [line]
 
 
 def refuse_clock(faults: Any) -> None:
@@ -282,7 +302,7 @@ def refuse_clock(faults: Any) -> None:
 
 
 def transposed_again(
-    columns: dict, index: pd.Index, place: dict, transposition: str
+    columns: dict, index: pd.Index, place: dict, transposition: str, label: float = 0.0
 ) -> dict:
     """
     Columns with ``poa_global`` for further data, transposed as in the fit.
@@ -297,6 +317,8 @@ def transposed_again(
         From :func:`pvlib_fem.drivers.checked_place`.
     transposition : str
         ``"perez"``, ``"haydavies"``, or ``""`` if the fit had none.
+    label : float, default 0
+        From the middle of its step to the time of a row. [steps]
 
     Returns
     -------
@@ -318,7 +340,8 @@ def transposed_again(
     check_transposition(transposition, place)
     names = ("ghi", *PARTS) if is_split(columns) else ("ghi",)
     light = {name: possible_values(name, columns[name]) for name in names}
-    return {**columns, LIGHT: in_plane(light, index, place, transposition)}
+    late = label * usual_step(index) if label and len(index) > 1 else 0.0
+    return {**columns, LIGHT: in_plane(light, index, place, transposition, late)}
 
 
 def possible_values(name: str, column: Any) -> Any:

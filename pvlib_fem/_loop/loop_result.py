@@ -580,7 +580,8 @@ class Loop:
         columns = with_aliases(data, ())
         for one in self.stand_ins:
             columns = one.fill_columns(columns)
-        return transposed_again(columns, data.index, place, self.transposition)
+        how = place, self.transposition, self.label
+        return transposed_again(columns, data.index, *how)
 
     def whole(self, data: pd.DataFrame) -> pd.DataFrame:
         """``data`` with those columns."""

@@ -117,7 +117,7 @@ def prepared_case(
         untestable |= {e.name: because(Reason.ESTIMATED) for e in scans}
         wanted = [effect for effect in wanted if effect.name not in untestable]
     whole, seen = used_record(look, sun)
-    label = 0.0 if off else look.label(criteria.search_step)
+    label = 0.0 if off else look.label
     late = label * whole.inputs.step if label else 0.0
     stood = with_standings(site, whole.index, standings, late)
     case = Case(

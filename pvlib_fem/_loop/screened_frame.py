@@ -28,6 +28,7 @@ from pvlib_fem.quality._detached_sensor import Detachment, detachments_of
 from pvlib_fem.quality._irradiance_clock import twin_clock
 from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._module_lag import Clock
+from pvlib_fem.quality._noon import label_by_sun
 from pvlib_fem.quality._screen import Faults, screened_alone
 from pvlib_fem.quality._screening import stuck_rows
 from pvlib_fem.quality._stray_times import refuse_stray
@@ -67,18 +68,10 @@ class Look:
         late = self.health.noon.late
         return late if np.isfinite(late) else 0.0
 
-    def label(self, shortest: float) -> float:
-        """
-        From the middle of its step to the time of a row: -0.5, 0 or 0.5 steps.
-
-        A mean over a step has the time at which the step begins, or ends, or its
-        middle. Which it is the middle of the day's light shows, of steps longer than
-        ``shortest`` [s]: hills move it by minutes.
-        """
-        step = self.whole.inputs.step
-        if not step > shortest:
-            return 0.0
-        return float(np.sign(np.round(2.0 * self.late / step)) / 2.0) + 0.0
+    @property
+    def label(self) -> float:
+        """From the middle of its step to the time of a row, by the sun. [steps]"""
+        return label_by_sun(self.late, self.whole.inputs.step)
 
 
 def screened_frame(

@@ -42,7 +42,9 @@ def check_transposition(name: str, place: dict) -> None:
         raise refusal("a transposition needs the plane of the module: give ", PLACE)
 
 
-def in_plane(columns: Any, index: Any, place: dict, transposition: Any) -> Any:
+def in_plane(
+    columns: Any, index: Any, place: dict, transposition: Any, late: float = 0.0
+) -> Any:
     """
     Irradiance in the plane of the module from global horizontal irradiance. [W/m²]
 
@@ -60,6 +62,8 @@ def in_plane(columns: Any, index: Any, place: dict, transposition: Any) -> Any:
         From :func:`pvlib_fem.drivers.checked_place`.
     transposition : str
         One of :data:`TRANSPOSITIONS`.
+    late : float, default 0
+        By how much the times are after the sun's, as of means by their end. [s]
 
     Returns
     -------
@@ -75,7 +79,8 @@ def in_plane(columns: Any, index: Any, place: dict, transposition: Any) -> Any:
     .. [3] J. E. Hay and J. A. Davies, Proc. First Canadian Solar Radiation Data
        Workshop, 59 (1980)
     """
-    where = sun(index, place["location"])
+    then = index - pd.Timedelta(seconds=late)
+    where = sun(then, place["location"]).set_axis(index)
     zenith, azimuth = where["solar_zenith"], where["solar_azimuth"]
     ghi = pd.Series(np.asarray(columns["ghi"], float), index).clip(lower=0.0)
     if is_split(columns):
@@ -83,7 +88,7 @@ def in_plane(columns: Any, index: Any, place: dict, transposition: Any) -> Any:
     else:
         components = irradiance.erbs(ghi, zenith, index)
         dni, dhi = components["dni"], components["dhi"]
-    plane = angles_at(index, place)
+    plane = angles_at(index, place, late)
     with np.errstate(invalid="ignore", divide="ignore"):
         parts = irradiance.get_total_irradiance(
             *plane,

@@ -19,6 +19,7 @@ from pvlib_fem.quality._onset import DAY, HOUR, solar_midnight
 
 #: standard time lasts 18 weeks and more between two summers
 SHORTEST = pd.Timedelta(weeks=17)
+SHORTEST_STEP = 300.0  # s; the light shows the middle of longer ones
 #: correlation of the length of days with that at the location, below which its latitude
 #: has the wrong sign; weather and hills leave it above 0
 REVERSED = -0.5
@@ -124,6 +125,31 @@ def solar_noon_shift(
     faults = noon_faults(late, jumps, step, limits) | place_faults
     unsure = tuple(tuple(dark + d * DAY for d in c["within"]) for c in changes)
     return SolarNoon(late, days, jumps, faults, why, within, unsure, hours)
+
+
+def label_by_sun(late: float, step: float) -> float:
+    """
+    From the middle of its step to the time of a row, in steps.
+
+    A mean over a step has the time at which the step begins, or ends, or its middle.
+    Hills and clouds move the middle of the light by minutes, so that it does not show
+    which it is of steps of 5 min and less.
+
+    Parameters
+    ----------
+    late : float
+        Of :class:`SolarNoon`. [s]
+    step : float
+        Usual time between rows. [s]
+
+    Returns
+    -------
+    float
+        -0.5, 0 or 0.5; 0 where either is NaN.
+    """
+    if not (step > SHORTEST_STEP and np.isfinite(late)):
+        return 0.0
+    return float(np.sign(np.round(2.0 * late / step))) / 2.0 + 0.0
 
 
 def levels(

@@ -6,7 +6,7 @@ import pytest
 from conftest import COLUMNS, measured
 from pvlib.location import Location
 
-from pvlib_fem import Criteria, Loop, close_loop, datasets, ewm, fit_fem, simulator
+from pvlib_fem import Loop, close_loop, datasets, ewm, fit_fem, simulator
 from pvlib_fem._record.inputs import as_record
 from pvlib_fem.quality._lag import coarse_lag
 from pvlib_fem.quality._limits import Limits
@@ -402,5 +402,3 @@ def test_shorter_steps_have_the_sun_of_their_times(ten_minutes):
     for data, wanted in ((late, 0.0), (late.shift(freq="3min"), 0.5)):
         loop = close_loop(data, location=place, effects=[])
         assert loop.label == wanted
-    few = Criteria(search_step=600.0)
-    assert close_loop(data, location=place, effects=[], criteria=few).label == 0.0

@@ -12,7 +12,8 @@ import pvlib_fem as fem
 from pvlib_fem import datasets, fleet, simulator
 from pvlib_fem._record import parquet
 from pvlib_fem._record.column_names import is_cross_check, twin_of
-from pvlib_fem.drivers._transposition import TRANSPOSITIONS
+from pvlib_fem.drivers import checked_place
+from pvlib_fem.drivers._transposition import TRANSPOSITIONS, in_plane
 from pvlib_fem.effects import CHANGES, EFFECTS, find
 
 USUAL = ["poa_global", "temp_air", "temp_module"]
@@ -243,6 +244,24 @@ def test_what_was_not_measured_on_the_horizontal_is_not_transposed(level):
         fem.transpose_record(data.assign(ghi=data["ghi"].clip(lower=0) / 1000), *PLACE)
     with pytest.raises(ValueError, match="data have poa_global"):
         fem.transpose_record(data.assign(poa_global=data["ghi"]), *PLACE)
+
+
+@pytest.mark.parametrize("label", ["left", "right"])
+def test_hourly_means_are_transposed_with_the_sun_at_their_middle(level, label):
+    data, whole = level
+    hours = data.resample("1h", label=label).mean()
+    made = fem.transpose_record(hours, *PLACE)
+    assert "with the sun at the middle" in made.attrs["notes"][-1]
+    half = pd.Timedelta(minutes=30 if label == "left" else -30)
+    middle = hours.set_axis(hours.index + half)
+    same = fem.transpose_record(middle, *PLACE)
+    assert "with the sun" not in same.attrs["notes"][-1]
+    # the sun's distance is that of the day, which ends by another clock
+    np.testing.assert_allclose(made["poa_global"], same["poa_global"], rtol=1e-3)
+    truth = whole["poa_global"].resample("1h", label=label).mean()
+    wrong = in_plane(hours, hours.index, checked_place(*PLACE), "perez")
+    error, usual = ((one - truth).abs().mean() for one in (made["poa_global"], wrong))
+    assert error < 0.7 * usual
 
 
 def test_the_loop_transposes_and_predicts_alike(level, tmp_path):
