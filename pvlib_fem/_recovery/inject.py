@@ -21,6 +21,7 @@ from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers import derive_drivers, needed_for
 from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects._effect import Effect
+from pvlib_fem.effects._instruments import TURNS_FROM
 from pvlib_fem.effects._time_profiles import weights_of
 from pvlib_fem.quality._lag import retimed
 from pvlib_fem.quality._module_lag import Clock
@@ -134,6 +135,7 @@ MOST_LOST = 0.9  # largest share of a reading that a fault removes
 READS = {
     "irradiance_sensor": "poa_global",
     "anemometer": "wind_speed",
+    "anemometer_stall": "wind_speed",
     "air_offset": "temp_air",
     "air_sensor_shield": "temp_air",
 }
@@ -146,7 +148,11 @@ def faulty_reading(
     name = READS[effect.sensor_fault]
     values, size = record[name], change * weights_of(effect, record.dates)
     whole = whole_of(effect.sensor_fault, coefficients)
-    if whole is not None:
+    if effect.sensor_fault == "anemometer_stall":
+        share = size / whole
+        slow = np.maximum((values - share * TURNS_FROM) / (1.0 - share), 0.0)
+        values = np.where(values < TURNS_FROM, slow, values)
+    elif whole is not None:
         values = values / (1.0 + size / whole)
     elif effect.sensor_fault == "air_offset":
         values = values - size
@@ -181,6 +187,8 @@ def readable(effect: Effect, way: dict, days: np.ndarray, coefficients: dict) ->
     if whole is None:
         return np.inf
     (part,) = way.values()
+    if effect.sensor_fault == "anemometer_stall":  # which reads less where it is there
+        part = -part
     least = (part * weights_of(effect, days)).min()
     return MOST_LOST * whole / -least if least < 0.0 else np.inf
 
@@ -201,7 +209,8 @@ def whole_of(sensor_fault: str, coefficients: dict) -> Any:
         In the unit of the fault's coefficient.
     """
     u1 = coefficients.get("u1", np.inf)  # the true loss by wind does not change
-    return {"irradiance_sensor": 1.0, "anemometer": u1}.get(sensor_fault)
+    wholes = {"irradiance_sensor": 1.0, "anemometer": u1, "anemometer_stall": u1}
+    return wholes.get(sensor_fault)
 
 
 def add_to_rows(

@@ -10,6 +10,8 @@ import numpy as np
 
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
 
+TURNS_FROM = 1.5  # m/s, from which an anemometer that stalls turns as it should
+
 
 def irradiance_sensor(poa_global: np.ndarray, *, change: float) -> Terms:
     r"""
@@ -89,7 +91,7 @@ def anemometer(wind_speed: np.ndarray, *, change: float) -> Terms:
 
 
 def anemometer_stall(
-    wind_speed: np.ndarray, *, change: float, below: float = 1.5
+    wind_speed: np.ndarray, *, change: float, below: float = TURNS_FROM
 ) -> Terms:
     r"""
     Loss by wind in which an anemometer no longer turns.

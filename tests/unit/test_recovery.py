@@ -114,6 +114,25 @@ def test_an_instrument_that_changes_is_put_into_what_it_reads(record, done):
     pd.testing.assert_frame_equal(washed[others], record[others])
 
 
+@pytest.mark.parametrize("size", [0.3, 0.9])
+def test_an_anemometer_that_stalls_reads_less_of_weak_wind(record, done, size):
+    """With the effect of that size the loss by the reading is that by the wind."""
+    injector = Injector.from_loop(*done)
+    late = record.index.tz_localize(None) >= pd.Timestamp(DATES["at"])
+    u1 = done[1].fit.coefficients["u1"]
+    effect = injection("anemometer_stall_step", size * u1, **DATES)
+    stalled = injector.into(record, effect)
+    others = record.columns.drop("wind_speed")
+    pd.testing.assert_frame_equal(stalled[others], record[others])
+    read, wind = stalled["wind_speed"].to_numpy(), record["wind_speed"].to_numpy()
+    weak = late & (wind < 1.5)
+    assert np.array_equal(read[~weak], wind[~weak]) and (read[weak] < wind[weak]).all()
+    loss = u1 * read + size * u1 * np.maximum(1.5 - read, 0.0)
+    turns = weak & (read > 0.0)
+    np.testing.assert_allclose(loss[turns], u1 * wind[turns])
+    assert (wind[weak & ~turns] <= size * 1.5).all() and (weak & ~turns).any()
+
+
 @pytest.mark.parametrize("time_profile", ["step", "drift"])
 def test_an_instrument_reads_something_at_any_size_that_is_put_in(
     record, done, time_profile
