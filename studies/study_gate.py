@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 import study_instruments
 from study_page import publish
-from study_worlds import CLOSED, CLOSED_CAUSES, IN_PHYSICS, UNDECLARED, UNKNOWN
+from study_worlds import ALSO, CLOSED, CLOSED_CAUSES, IN_PHYSICS, UNDECLARED, UNKNOWN
 
 from pvlib_fem._findings import OUTSIDE
 
@@ -113,6 +113,7 @@ def held(shares, sure=0.95):
 def judged(row):
     """Findings of a record of the study."""
     known = set(row["truths"])
+    known |= {ALSO[name] for name in known & {*ALSO}}
     if row["generator"] != "fitted form":
         known |= IN_PHYSICS
     if row["generator"] == "fuentes":  # whose sky follows the air

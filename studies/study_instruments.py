@@ -16,6 +16,7 @@ import study_ranges
 from study_page import publish
 from study_records import refit, root, sets, smallest
 from study_worlds import (
+    ALSO,
     CLEARLY,
     GATE_RECORDS,
     GATE_SEED,
@@ -42,6 +43,7 @@ SIZES = {
 ODDS = [0.18, 0.18, 0.1, 0.08, 0.13, 0.13, 0.2]
 #: effects of the simulator's physics, of which a part of the sun's heat is power
 PRESENT = {*simulator.OUTDOORS, "electrical_output", "modules_covered"} | IN_PHYSICS
+PRESENT |= {ALSO[switch] for switch in PRESENT & {*ALSO}}
 #: what one record cannot tell from each other is one truth
 SAME = {
     "module_sensor_contact": ("module_sensor_contact", "mounting"),

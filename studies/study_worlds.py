@@ -156,6 +156,10 @@ COVERS = {
 }
 OF_TRACKERS = ("tracker_stuck",)  # which a fixed plane has not
 
+#: what a switch also has: the ground that stores heat lies on a layer that follows the
+#: air of three days
+ALSO = {"thermal_storage": "ground_or_water"}
+
 #: shapes that physics leaves: T⁴ is a season and a gain of temperature
 IN_PHYSICS = {
     "radiative_loss",

@@ -51,6 +51,16 @@ def test_a_set_with_the_outside_is_right_where_the_cause_is_unknown(kind):
     )
 
 
+def test_the_layer_below_the_ground_is_a_cause_of_its_own():
+    """The simulator's ground that stores heat lies on one that follows the air."""
+    deep = ("ground_or_water", "ambiguous", {"ground_or_water": 0.93, OUTSIDE: 0.07})
+    there = dict(sizes=("thermal_storage",), truths=("thermal_storage",))
+    some = [record(sets=[deep], **there), record(sets=[deep])]
+    changes = [change(1, sets=[dict(zip(("effect", "verdict", "shares"), deep))])]
+    rows = gates(pd.DataFrame(some), changes)
+    assert measured(rows, "sets without") == ("1 of 3 (33.3%)", False)
+
+
 def test_a_name_is_wrong_unless_its_cause_is_there():
     some = [
         record(sets=[SNOW], sizes=("snow",), truths=("snow",)),
