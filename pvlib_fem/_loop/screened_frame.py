@@ -1,6 +1,6 @@
 """A user's frame as its sensors and clocks show it, before any fit."""
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -26,6 +26,7 @@ from pvlib_fem.drivers import DERIVED, MODELLED
 from pvlib_fem.quality._check import Health, check
 from pvlib_fem.quality._detached_sensor import Detachment, detachments_of
 from pvlib_fem.quality._irradiance_clock import twin_clock
+from pvlib_fem.quality._lag import by_module_logger
 from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._module_lag import Clock
 from pvlib_fem.quality._noon import label_by_sun
@@ -133,7 +134,7 @@ def screened_frame(
     detachments, off = detached_rows(hidden, whole, test, stuck, health.clock)
     timed = in_time(hidden, health.clock).inputs
     powers = [*filter(is_power, (*drivers, *comparing))]
-    untimed, lines = powers_off_time(whole, powers, limits)
+    untimed, lines = powers_off_time(whole, powers, health.clock, limits)
     odd = (*oddities(timed, limits, hidden.absent), *lines)
     return Look(
         whole=whole.lacking(untimed),
@@ -176,18 +177,25 @@ def test_rows(
 
 
 def powers_off_time(
-    record: Record, powers: Iterable[str], limits: Limits
+    record: Record, powers: Sequence[str], clock: Clock, limits: Limits
 ) -> tuple[dict[str, np.ndarray], list[str]]:
-    """Rows in which the clock of each power is not that of irradiance, and lines."""
-    off, lines = {}, []
+    """
+    Rows in which the clock of each power is not that of irradiance, and lines.
+
+    A power that the module's logger wrote, whose ``clock`` is corrected, is compared as
+    it is then.
+    """
+    off, lines, seconds = {}, [], record.inputs.seconds
+    columns = record.inputs.columns.only(["poa_global", *powers])
+    columns |= by_module_logger(columns, lambda one: clock.corrected(seconds, one))
     for name in powers:
-        light, index = record["poa_global"], record.index
-        clock = twin_clock(light, record[name], index, limits)
-        if clock.off.any():
-            off[name] = clock.off
-            days = len(np.unique(record.dates[clock.off]))
+        both = columns["poa_global"], columns[name]
+        found = twin_clock(*both, record.index, limits)
+        if found.off.any():
+            off[name] = found.off
+            days = len(np.unique(record.dates[found.off]))
             lines.append(
-                f"{name} is not used on {days:,} days: its timestamps {clock.line}; "
+                f"{name} is not used on {days:,} days: its timestamps {found.line}; "
                 "bring them to one clock"
             )
     return off, lines
