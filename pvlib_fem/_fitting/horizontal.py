@@ -24,7 +24,12 @@ from pvlib_fem.drivers._transposition import (
     is_split,
 )
 from pvlib_fem.quality._limits import Limits
-from pvlib_fem.quality._noon import SolarNoon, label_by_sun, solar_noon_shift
+from pvlib_fem.quality._noon import (
+    SolarNoon,
+    label_by_sun,
+    lateness_of,
+    solar_noon_shift,
+)
 from pvlib_fem.quality._screen import screen_record
 
 LIGHT = "poa_global"
@@ -201,7 +206,7 @@ def files_in_plane(
     horizontal = (means.columns["ghi"], times, place["location"], 0.0, 180.0)
     noon = solar_noon_shift(*horizontal, limits)
     refuse_clock(noon.faults)
-    late, lines = sun_of_means(noon, means.step)
+    late, lines = sun_of_means(noon, times)
     rest = {n: c for n, c in source.columns.items() if n not in ("ghi", *PARTS)}
     return replace(
         source,
@@ -264,14 +269,14 @@ def with_plane(
     noon = solar_noon_shift(*horizontal, limits)
     if check_clock:
         refuse_clock(noon.faults)
-    late, lines = sun_of_means(noon, usual_step(index))
+    late, lines = sun_of_means(noon, index)
     made = in_plane(light, index, place, transposition, late)
     return {**columns, **light, LIGHT: made}, (*notes, *lines)
 
 
-def sun_of_means(noon: SolarNoon, step: float) -> tuple[float, list[str]]:
+def sun_of_means(noon: SolarNoon, index: pd.DatetimeIndex) -> tuple[float, list[str]]:
     """By how much rows of means are after the middle of their steps [s], and a line."""
-    label = 0.0 if noon.faults else label_by_sun(noon.late, step)
+    label = 0.0 if noon.faults else label_by_sun(noon.late, usual_step(index))
     if not label:
         return 0.0, []
     at = "ends" if label > 0 else "begins"
@@ -279,7 +284,7 @@ def sun_of_means(noon: SolarNoon, step: float) -> tuple[float, list[str]]:
         f"by the middle of the day's light each row of ghi is a mean over the step "
         f"that {at} at its time: it is transposed with the sun at the middle of that"
     )
-    return label * step, [line]
+    return lateness_of(label, index), [line]
 
 
 def refuse_clock(faults: Any) -> None:
@@ -340,7 +345,7 @@ def transposed_again(
     check_transposition(transposition, place)
     names = ("ghi", *PARTS) if is_split(columns) else ("ghi",)
     light = {name: possible_values(name, columns[name]) for name in names}
-    late = label * usual_step(index) if label and len(index) > 1 else 0.0
+    late = lateness_of(label, index)
     return {**columns, LIGHT: in_plane(light, index, place, transposition, late)}
 
 

@@ -19,6 +19,7 @@ from pvlib_fem.effects._effect import Effect
 from pvlib_fem.quality._detached_sensor import Detachment
 from pvlib_fem.quality._lag import by_module_logger
 from pvlib_fem.quality._module_lag import Clock
+from pvlib_fem.quality._noon import lateness_of
 from pvlib_fem.quality._plane import Plane
 from pvlib_fem.quality._tracker_standstill import Standing
 from pvlib_fem.reasons import Because
@@ -110,7 +111,7 @@ class Case:
 
     def placed(self, record: Record) -> Record:
         """A record with the place of sun and module, where that is known."""
-        late = self.label * record.inputs.step if self.label else 0.0
+        late = lateness_of(self.label, record.index)
         places = geometry(record.index, **self.site, late=late)
         return record.having({name: c.to_numpy() for name, c in places.items()})
 

@@ -23,7 +23,6 @@ from pvlib_fem._loop.loop_files import Reading, loop_content, loop_parts
 from pvlib_fem._loop.planes import is_same_plane, with_series
 from pvlib_fem._loop.predicted_patterns import Pattern, drivers_of, errors_by
 from pvlib_fem._modelchain import LOOP, DynamicCellTemperature
-from pvlib_fem._record.checks import usual_step
 from pvlib_fem._record.column_names import (
     COLUMNS,
     GEOMETRY,
@@ -44,6 +43,7 @@ from pvlib_fem.drivers._mounts import (
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.quality._detached_sensor import Detachment
+from pvlib_fem.quality._noon import lateness_of
 from pvlib_fem.quality._tracker_standstill import Standing
 from pvlib_fem.reasons import Because
 from pvlib_fem.scores import GAMMA
@@ -318,7 +318,7 @@ class Loop:
         wanted = self.fit.thermal_model.drivers if wanted is None else wanted
         columns = {n: c for n, c in columns.items() if n not in ANGLES}
         if {*wanted} & {*GEOMETRY}:
-            late = self.label * usual_step(data.index) if len(data) > 1 else 0.0
+            late = lateness_of(self.label, data.index)
             columns = {**geometry(data.index, **there, late=late), **columns}
         drivers = {name: columns[name] for name in wanted if name in columns}
         usual = [columns[n] if n in needed else None for n in COLUMNS[:3]]

@@ -34,6 +34,7 @@ from pvlib_fem.effects._testable_effects import candidates, candidates_about_axi
 from pvlib_fem.effects._time_profiles import date_text
 from pvlib_fem.quality._irradiance_clock import twin_clock
 from pvlib_fem.quality._limits import Limits
+from pvlib_fem.quality._noon import lateness_of
 from pvlib_fem.quality._plane import Plane, fixed_rather, plane_of
 from pvlib_fem.quality._tracker_standstill import Standing, standing_of
 from pvlib_fem.quality._unit_checks import options_of
@@ -118,7 +119,7 @@ def prepared_case(
         wanted = [effect for effect in wanted if effect.name not in untestable]
     whole, seen = used_record(look, sun)
     label = 0.0 if off else look.label
-    late = label * whole.inputs.step if label else 0.0
+    late = lateness_of(label, whole.index)
     stood = with_standings(site, whole.index, standings, late)
     case = Case(
         whole=whole,

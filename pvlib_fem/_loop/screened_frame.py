@@ -187,7 +187,8 @@ def powers_off_time(
     """
     off, lines, seconds = {}, [], record.inputs.seconds
     columns = record.inputs.columns.only(["poa_global", *powers])
-    columns |= by_module_logger(columns, lambda one: clock.corrected(seconds, one))
+    if clock.fault:
+        columns |= by_module_logger(columns, lambda one: clock.corrected(seconds, one))
     for name in powers:
         both = columns["poa_global"], columns[name]
         found = twin_clock(*both, record.index, limits)

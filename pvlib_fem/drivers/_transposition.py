@@ -79,7 +79,7 @@ def in_plane(
     .. [3] J. E. Hay and J. A. Davies, Proc. First Canadian Solar Radiation Data
        Workshop, 59 (1980)
     """
-    then = index - pd.Timedelta(seconds=late)
+    then = index - pd.Timedelta(seconds=late) if late else index
     where = sun(then, place["location"]).set_axis(index)
     zenith, azimuth = where["solar_zenith"], where["solar_azimuth"]
     ghi = pd.Series(np.asarray(columns["ghi"], float), index).clip(lower=0.0)

@@ -208,6 +208,11 @@ class Effect:
             values |= constants(driver)
         return values | own_constants(self.terms, besides=self.parameters)
 
+    @property
+    def unscanned(self) -> "Effect":
+        """The effect with the settings that it has, for which no scan looks."""
+        return replace(self, scan=None, scanned_from=None, make=None)
+
     def made(self, **settings: Any) -> "Effect":
         """
         The effect with other settings.

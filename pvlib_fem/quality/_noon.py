@@ -152,6 +152,27 @@ def label_by_sun(late: float, step: float) -> float:
     return float(np.sign(np.round(2.0 * late / step))) / 2.0 + 0.0
 
 
+def lateness_of(label: float, index: pd.Index) -> float:
+    """
+    By how much the times of rows are after the middle of their steps. [s]
+
+    Parameters
+    ----------
+    label : float
+        From :func:`label_by_sun`. [steps]
+    index : Index
+        Times of the rows.
+
+    Returns
+    -------
+    float
+        0 of a single row, and of an index without times.
+    """
+    if not label or len(index) < 2 or not isinstance(index, pd.DatetimeIndex):
+        return 0.0
+    return label * usual_step(index)
+
+
 def levels(
     when: np.ndarray, middle: np.ndarray, changes: list, limits: Limits
 ) -> tuple:

@@ -1,7 +1,5 @@
 """Ground or water near the modules that follows the air by days or weeks."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from pvlib_fem.drivers import Driver
@@ -35,7 +33,7 @@ def terms(temp_air: np.ndarray, air_of_weeks: np.ndarray, *, exchange: float) ->
 
 def of_memory(memory: float = 16.0) -> Effect:
     """The effect of a mass with a time constant of ``memory`` days."""
-    return replace(EFFECT, scan=None, scanned_from=None, make=None).made(memory=memory)
+    return EFFECT.unscanned.made(memory=memory)
 
 
 def every_memory(temp_air: np.ndarray, *means: np.ndarray, **exchange: float) -> Terms:

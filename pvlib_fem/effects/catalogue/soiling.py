@@ -1,7 +1,5 @@
 """Soiling between rains, of the module or of the irradiance sensor."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from pvlib_fem.drivers import Driver
@@ -51,8 +49,8 @@ def soiling_by_rain(
     It begins ``grace`` days after that rain, and is constant ``dirtiest`` days later.
     Kimber's values are 6 mm in 24 h, and 14 days of grace.
     """
-    bare = replace(EFFECT, scan=None, scanned_from=None, make=None)
-    return bare.made(cleaning=cleaning, within=within, dirtiest=dirtiest, grace=grace)
+    rain = {"cleaning": cleaning, "within": within}
+    return EFFECT.unscanned.made(**rain, dirtiest=dirtiest, grace=grace)
 
 
 def every_rain(
