@@ -23,6 +23,7 @@ from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,
     coefficients_from,
     effective_number,
+    least_squares_coefficients,
     products,
     with_ridge,
 )
@@ -53,7 +54,16 @@ class Hours:
 
     def means(self, column: np.ndarray) -> np.ndarray:
         """Mean of a column in each cell; missing values count as 0."""
-        return np.add.reduceat(np.nan_to_num(column), self.first) / self.count
+        sums = np.add.reduceat(column, self.first)
+        if np.isnan(sums).any():
+            sums = np.add.reduceat(np.nan_to_num(column), self.first)
+        return sums / self.count
+
+    def known(self, column: np.ndarray) -> np.ndarray:
+        """Share of each cell's rows on which a column is known."""
+        return (
+            np.add.reduceat(np.isfinite(column), self.first, dtype=float) / self.count
+        )
 
 
 @dataclass(frozen=True)
@@ -156,8 +166,13 @@ class Design:
         base = [*(n for n in evidence.base if n not in taken), *evidence.misfits]
         tested = [name for names in own.values() for name in names]
         wanted = dict.fromkeys([*base, *tested, *sensor_faults.values()])
-        columns = [means(residual), *(means(evidence.columns[n]) for n in wanted)]
-        cells = np.array(columns).T
+        columns = {n: means(evidence.columns[n]) for n in wanted}
+        usual = np.array([columns[n] for n in base])
+        for name in wanted:
+            if np.isnan(evidence.columns[name].sum()):
+                known = hours.known(evidence.columns[name])
+                columns[name] = filled(columns[name], known, usual, rows)
+        cells = np.array([means(residual), *columns.values()]).T
         scale = np.sqrt(rows @ cells**2 / rows.sum())
         scale[(scale == 0) | (np.arange(len(scale)) == 0)] = 1.0
         order = {name: i + 1 for i, name in enumerate(wanted)}
@@ -522,6 +537,24 @@ class Design:
     def scales(self, columns: Sequence[Column]) -> np.ndarray:
         """What the coefficients of some columns are to be divided by."""
         return self.scale[[place_of(column) for column in columns]]
+
+
+def filled(
+    column: np.ndarray, known: np.ndarray, usual: np.ndarray, rows: np.ndarray
+) -> np.ndarray:
+    """
+    A column of an effect with the expected value in cells without its driver.
+
+    An effect also acts where its driver is not known. With zeros there, it would seem
+    to come and go with the gaps. What ``usual`` columns predict says nothing of it.
+    """
+    there = known > 0.0
+    column = column / np.where(there, known, 1.0)
+    root = np.sqrt(rows * known)[there]
+    slopes = least_squares_coefficients(
+        (usual[:, there] * root).T, (column[there] * root)[:, None]
+    )
+    return np.where(there, column, slopes[:, 0] @ usual)
 
 
 def independent_columns(

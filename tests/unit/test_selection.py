@@ -11,7 +11,7 @@ from pvlib_fem._findings import OUTSIDE
 from pvlib_fem._loop.change_dates import Scan
 from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.conclude import range_around, range_of
-from pvlib_fem._loop.design import Changed, Design, independent_columns
+from pvlib_fem._loop.design import Changed, Design, filled, independent_columns
 from pvlib_fem._loop.dictionary import Candidate, dated_candidates
 from pvlib_fem._loop.noise import (
     WithinCells,
@@ -462,11 +462,11 @@ def test_a_law_has_no_residual_along_what_it_derives(dust):
     selection, base = Selection(made, CRITERIA), [*made.base]
     (one,) = (c for c in selection.candidates(base) if c.name == "soiling")
     score = selection.score(one, base)
-    assert score.probability > 0.95
     misfit = max(law_misfits(made, one, base, score.fall))
     choice = selection.weighed(Choice(one, score), [])
     outside = with_outside(made, choice, base, CRITERIA).probabilities[OUTSIDE]
     if dust:
+        assert score.probability > 0.95
         assert misfit < 0.2 and outside < 0.1
     else:
         assert misfit > 0.7 and outside > 0.5
@@ -564,6 +564,28 @@ def test_the_placebo_of_white_noise_is_its_textbook_error():
     weekly = made.by_week([2, 1])
     covariance, _ = made.placebo([2], [1], LeastSquares(weekly, 1))
     assert covariance[0, 0] == pytest.approx(1.0 / len(days), rel=0.15)
+
+
+def test_an_effect_acts_where_its_driver_is_missing():
+    """Its size is that of the complete column, and hardly less sure."""
+    random, (days, hours) = np.random.default_rng(7), clock(300)
+    sun = np.maximum(np.sin((hours - 6) * np.pi / 12), 0.0)
+    whole = 2.0 + sun + noise(random, len(days))
+    rest = 2.0 * whole + 0.5 * noise(random, len(days))
+    known = np.where(days % 50 < 20, 0.0, np.where(hours % 2, 1.0, 0.5))
+    usual = np.array([np.ones(len(days)), sun])
+    half = filled(whole * known, known, usual, np.ones(len(days)))
+    found = {}
+    for name, own in {"whole": whole, "half": half, "zero": whole * known}.items():
+        columns = {"one": usual[0], "sun": sun, "rain.film": own}
+        made = design(rest, columns, days, hours, own=["rain"])
+        weekly = made.by_week([1, 2, 3])
+        fit = LeastSquares(weekly, 1)
+        (scale,) = made.scales([3])
+        found[name] = fit.estimate[0] / scale, fit.covariance[0, 0] ** 0.5 / scale
+    assert found["half"][0] == pytest.approx(2.0, rel=0.03)
+    assert found["half"][1] < 0.3 * found["zero"][1]
+    assert abs(found["zero"][0] - 2.0) > 0.5
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(-3.0, 3.0))
