@@ -481,10 +481,10 @@ class Selection:
         self, one: Candidate, given: Sequence[Column], fit: LeastSquares
     ) -> list[tuple[np.ndarray, float]]:
         """
-        Covariances that its estimate would have by accident, each with its freedom.
+        Covariances that an estimate would have by accident, each with its freedom.
 
-        It has to be sure by each. Weeks that differ from others, such as those of snow,
-        may be the few that decide: their spread says so, and a placebo does not.
+        The one with the smaller probability counts. If a few weeks decide, such as
+        weeks of snow, their spread shows how far they differ; a placebo does not.
         """
         if one.effect.sensor_fault:
             # other dates are no placebo of a date: whatever is slow has some
