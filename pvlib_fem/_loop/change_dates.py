@@ -8,6 +8,7 @@ import numpy as np
 
 from pvlib_fem._loop.change_sums import (
     GRID,
+    SHORTEST,
     SPARSE,
     ChangeSums,
     Span,
@@ -77,7 +78,7 @@ class Scan:
                 yield "step", {"at": self.date_at(step.first)}
             trends.append(sums.best(sums.linear, some, last))
             trends.append(sums.best(sums.linear, np.array([0]), some))
-        episode = sums.inside(sums.constant, side, GRID)
+        episode = sums.inside(sums.constant, side, GRID, SHORTEST)
         if episode is not None:
             start, end = self.date_at(episode.first), self.date_at(episode.last)
             yield "episode", {"start": start, "end": end}

@@ -11,6 +11,7 @@ from pvlib_fem.effects._time_profiles import YEAR
 
 #: dates between which temporary changes, and trends that end, are looked for first
 GRID, SPARSE = 60, 30
+SHORTEST = 7  # days of a temporary change: a week
 UNSEEN = 1e-6  # of a column's square: less of it is nothing given the others
 #: relative error of a time profile: no sensor fades along an exact line
 PROFILE_ERROR = 0.1
@@ -189,21 +190,22 @@ class ChangeSums:
         falls: Callable[[np.ndarray, np.ndarray], np.ndarray],
         side: int,
         many: int,
+        least: int | None = None,
     ) -> Span | None:
         """
         The best change that begins and ends within the record, or None.
 
-        It, and what is before and after it, has ``side`` days at least. ``many`` dates
-        are tried first.
+        Before and after it are ``side`` days at least, and within it ``least``, by
+        default as many. ``many`` dates are tried first.
         """
-        days = len(self.table)
+        days, least = len(self.table), min(least or side, side)
         grid = np.unique(np.linspace(0, days, min(many, days)).astype(int))
         first, last = grid[np.column_stack(np.triu_indices(len(grid), 1))].T
         length = last - first
         # enough days have to be there without it, too; and one that begins or ends
         # with the record is a step
         good = (first >= side) & (last <= days - side)
-        good &= (length >= side) & (length <= days - side)
+        good &= (length >= least) & (length <= days - side)
         if not good.any():
             return None
         span = self.best(falls, first[good], last[good])
@@ -211,9 +213,9 @@ class ChangeSums:
             return None
         for _ in range(3):
             before = span
-            firsts = np.arange(side, span.last - side + 1)
+            firsts = np.arange(side, span.last - least + 1)
             span = self.best(falls, firsts, np.array([span.last]))
-            lasts = np.arange(span.first + side, days - side + 1)
+            lasts = np.arange(span.first + least, days - side + 1)
             span = self.best(falls, np.array([span.first]), lasts)
             if span == before:
                 break

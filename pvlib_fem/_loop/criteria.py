@@ -77,8 +77,8 @@ class Criteria:
         Relative error of the law of effects that are functions of the usual inputs
         alone. [-]
     min_days_each_side : int
-        Days with rows that there have to be before and after the date of a change.
-        [days]
+        Days with rows that there have to be before and after the date of a change. A
+        temporary change lasts for seven of them at least. [days]
     max_episode_chance : float
         Chance that noise shows any days that stand out, which are reported and
         decide nothing. [-]

@@ -248,7 +248,7 @@ SENSOR_FAULTS = (
     Effect(
         "air_offset",
         air_offset,
-        {"change": Parameter(0.0, -10.0, 10.0, "K")},
+        {"change": Parameter(0.0, -20.0, 20.0, "K")},
         decided_by="a second thermometer in the air",
         confused_with=("an offset of the module's thermometer",),
     ),
@@ -262,7 +262,7 @@ SENSOR_FAULTS = (
     Effect(
         "module_offset",
         module_offset,
-        {"change": Parameter(0.0, -10.0, 10.0, "K")},
+        {"change": Parameter(0.0, -20.0, 20.0, "K")},
         decided_by="a second thermometer at the module",
         confused_with=("an offset of the air's thermometer",),
     ),

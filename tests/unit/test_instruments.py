@@ -259,6 +259,27 @@ def test_a_short_fault_is_no_other_one():
             assert "irradiance_sensor_episode" in found.candidates
 
 
+@pytest.mark.parametrize("size", [-11.0, 4.0])
+def test_two_weeks_of_a_thermometer_are_found(size):
+    """And what they would hide otherwise, such as the sky."""
+    data = simulator.record(effects=simulator.OUTDOORS, days=365, step=900, seed=5)
+    days = data.loc["2023-05-01":"2023-05-14"].index
+    data.loc[days, "temp_air"] += size
+    loop = fem.close_loop(data)
+    assert "sky_radiation" in loop.effects
+    (found,) = (
+        f
+        for f in loop.finding_objects
+        if f.added and "air_offset_episode" in f.candidates
+    )
+    settings = next(e for e in loop.fit.effects if e.name == found.effect).settings
+    low, high = settings["between"]
+    assert low <= "2023-05-01" <= high and settings["end"] == "2023-05-15"
+    if found.effect == "air_offset_episode":
+        (change,) = found.coefficients.values()
+        assert change == pytest.approx(-size, rel=0.15)
+
+
 def test_snow_under_a_low_sun_is_not_named_an_obstacle():
     """
     At 56° north the sun of midwinter crosses a window of the sky that no other sees.
