@@ -22,6 +22,7 @@ from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.cross_checks import cross_checks, log_likelihoods
 from pvlib_fem._loop.design import Changed, Design
 from pvlib_fem._loop.divided_record import Case
+from pvlib_fem._loop.edge_weeks import by_power, edge_weeks
 from pvlib_fem._loop.leaks import leaks
 from pvlib_fem._loop.loop_files import Reading
 from pvlib_fem._loop.loop_result import Loop
@@ -34,7 +35,6 @@ from pvlib_fem._loop.references import DailyDeviation, daily_deviations
 from pvlib_fem._loop.refits import Fits, Step
 from pvlib_fem._loop.replacements import NOTHING, Replacements
 from pvlib_fem._loop.selection import MOST, Choice, Selection, selected
-from pvlib_fem._loop.standstill_edges import by_power, edge_weeks
 from pvlib_fem._loop.tangents import Evidence
 from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._record.checks import dates_of

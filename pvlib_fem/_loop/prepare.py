@@ -244,12 +244,12 @@ def is_before_the_sun(effect: Effect) -> bool:
 
 
 def fitted_weeks(spared: Collection[int]) -> Iterator[str]:
-    """A line on each week that would be a test week without a standstill."""
+    """A line on each week that would be a test week without a change in it."""
     weeks = {int(calendar_weeks(np.array(day))): day for day in sorted(spared)[::-1]}
     for first in sorted(weeks.values()):
         yield (
-            f"the week from {date_text(first)} on is fitted and not a test week: "
-            "modules may have been stuck on some of its days"
+            f"the week from {date_text(first)} on is fitted and not a test week: a "
+            "change of a sensor or a standstill may begin or end in it"
         )
 
 

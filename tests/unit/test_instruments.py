@@ -16,6 +16,7 @@ import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
 from pvlib_fem._findings import Verdict
 from pvlib_fem._loop.close import finished_search
+from pvlib_fem._loop.edge_weeks import of_its_dates
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
 from pvlib_fem.effects import CHANGES, EFFECTS, SENSOR_FAULTS, find
@@ -273,11 +274,27 @@ def test_two_weeks_of_a_thermometer_are_found(size):
         if f.added and "air_offset_episode" in f.candidates
     )
     settings = next(e for e in loop.fit.effects if e.name == found.effect).settings
-    low, high = settings["between"]
-    assert low <= "2023-05-01" <= high and settings["end"] == "2023-05-15"
+    # the week before is a test week, which is fitted for the date to be sure
+    assert settings["start"] == "2023-05-01" and settings["end"] == "2023-05-15"
+    assert "the week from 2023-04-24 on is fitted" in "\n".join(loop.notes)
+    assert loop.table["rmse_test"].iloc[-1] < 0.8 * loop.table["rmse_test"][loop.base]
     if found.effect == "air_offset_episode":
         (change,) = found.coefficients.values()
         assert change == pytest.approx(-size, rel=0.15)
+
+
+@pytest.mark.parametrize(
+    "between, needed", [("2023-05-02", 7), ("2023-05-07", 7), ("2023-05-08", 0)]
+)
+def test_a_test_week_is_fitted_for_a_date_that_is_sure_without_it(between, needed):
+    """It began on one of its seven days, or on fewer of those after it."""
+    days = np.arange(day_number("2023-01-02"), day_number("2023-12-31"))
+    week = (days >= day_number("2023-04-24")) & (days < day_number("2023-05-01"))
+    effect = CHANGES["air_offset_episode"].make(
+        start="2023-04-27", end="2023-06-10", between=("2023-04-24", between)
+    )
+    found = of_its_dates(effect, days[week], days[~week])
+    assert found.sum() == needed
 
 
 def test_snow_under_a_low_sun_is_not_named_an_obstacle():

@@ -265,7 +265,9 @@ def test_rows_without_angles_by_day_do_not_count_for_effects_of_the_plane(record
     lacks.loc["2023-04-03":"2023-04-12", "surface_tilt"] = np.nan
     sun = WHERE.get_solarposition(record.index)
     lacks.loc[sun["zenith"] > 91.0, ANGLES] = np.nan  # as pvlib has nights
-    loop = fem.close_loop(lacks, location=WHERE)
+    # its gain in the whole record is 0.17 K, of which the gap takes some
+    criteria = fem.Criteria(min_rmse_reduction=0.1)
+    loop = fem.close_loop(lacks, location=WHERE, criteria=criteria)
     assert "poa_misalignment" in loop.effects
     predicted = loop.predict(lacks)
     by_day = (sun["zenith"] < 88.0) & lacks["surface_tilt"].isna()

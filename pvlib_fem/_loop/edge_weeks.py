@@ -1,12 +1,14 @@
 """
-Standstills of which test weeks have a part.
+Changes that begin or end in a test week, and standstills of which one has a part.
 
 No decision sees the module temperature of those weeks. Power is seen: it falls by the
 light that modules miss while they are stuck, and so shows at which days it begins and
 ends. A test week becomes a fitting week if a standstill may begin or end in it and
 there is no power, or if power shows one that hardly any other week has. The fitting
 weeks and power alone decide that, so what stays of the test weeks is as unseen as
-before.
+before. A change of a sensor whose date is sure to a few days, but for a test week in
+which it is, makes that a fitting week as well: else days without the fault would be
+corrected.
 """
 
 from collections.abc import Iterable, Iterator
@@ -39,10 +41,10 @@ MOST = 0.5  # of the test days, that may become fitting days
 
 def edge_weeks(case: Case, effects: Iterable[Effect], before: int) -> np.ndarray:
     """
-    Test days of weeks that are needed for a standstill.
+    Test days of weeks that are needed for a change or a standstill.
 
-    In these one may begin or end, unknown to power; or one that power shows has almost
-    all of its days in them, and the model has none.
+    In these a change begins or ends; or a standstill may, unknown to power; or one that
+    power shows has almost all of its days in them, and the model has none.
 
     Parameters
     ----------
@@ -58,12 +60,16 @@ def edge_weeks(case: Case, effects: Iterable[Effect], before: int) -> np.ndarray
         Days since 1970-01-01; none if they are more than half of the test days.
     """
     test = np.unique(case.whole.dates[case.held_out])
-    needed = np.zeros(len(test), dtype=bool)
+    effects = [*effects]
     found = [one for one in effects if one.turns]
+    needed = np.zeros(len(test), dtype=bool)
     for effect in found:
         for name in ("between", "ended"):
             needed |= days_within(test, effect.settings.get(name, (0, 0)))
     needed &= np.isin(test, without_power(case))
+    fitting = np.unique(case.record.dates[case.searched])
+    for effect in effects:
+        needed |= of_its_dates(effect, test, fitting)
     if not found:
         for dates in hidden_standstills(case):
             needed |= days_within(test, dates)
@@ -76,6 +82,25 @@ def days_within(days: np.ndarray, dates: tuple) -> np.ndarray:
     """Whether days are from the first date on, and before the last one."""
     first, last = map(day_number, dates)
     return (days >= first) & (days < last)
+
+
+def of_its_dates(effect: Effect, test: np.ndarray, fitting: np.ndarray) -> np.ndarray:
+    """
+    Whether test days are those between which a change begins or ends.
+
+    They are if they are more than the fitting days on which it may have begun.
+    """
+    settings = effect.settings
+    needed = np.zeros(len(test), dtype=bool)
+    if effect.turns or "between" not in settings:
+        return needed
+    unsure = days_within(fitting, settings["between"]).sum()
+    for name in {"at", "start", "end"} & {*settings}:
+        place = np.searchsorted(fitting, day_number(settings[name]))
+        if 0 < place < len(fitting):
+            unseen = (test > fitting[place - 1]) & (test < fitting[place])
+            needed |= unseen & (unseen.sum() > unsure)
+    return needed
 
 
 def hidden_standstills(case: Case) -> Iterator[tuple[Any, Any]]:
