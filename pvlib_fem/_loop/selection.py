@@ -49,7 +49,7 @@ class Score:
     probability: float  # that it is there
     possible: bool  # within its bounds
     seen: np.ndarray  # estimate by whitened columns
-    null: np.ndarray  # covariance that it would have by accident, by the largest error
+    null: np.ndarray  # covariance that it would have by accident
     freedom: float  # of that
     acting: float  # share of the record on which it acts
 
@@ -454,13 +454,14 @@ class Selection:
         if self.noise:
             whole = self.seen.fit_for([one.effect])
             whitened = LeastSquares(whole.by_week([*given, *own]), size)
-        rows, seen = one.rows(design), whitened.estimate / scale
-        errors = [
-            (v / unit, freedom) for v, freedom in self.errors(one, given, whitened)
-        ]
-        sure = [one.existence(rows.values(), seen, *error) for error in errors]
-        there = min(sure)
-        null, freedom = errors[sure.index(there)]
+        if one.effect.sensor_fault:
+            # other dates are no placebo of a date: whatever is slow has some
+            null, freedom = whitened.by_all_weeks()
+        else:
+            null, freedom = self.seen.placebo(given, own, whitened)
+        rows, null = one.rows(design), null / unit
+        seen = whitened.estimate / scale
+        there = one.existence(rows.values(), seen, null, freedom)
         fits = within_bounds(rows.values(), estimate, np.sqrt(np.diag(covariance)))
         gain, acting = gain / design.count, self.acting(one)
         self.scores[key] = Score(
@@ -476,21 +477,6 @@ class Selection:
             acting,
         )
         return self.scores[key]
-
-    def errors(
-        self, one: Candidate, given: Sequence[Column], fit: LeastSquares
-    ) -> list[tuple[np.ndarray, float]]:
-        """
-        Covariances that an estimate would have by accident, each with its freedom.
-
-        The one with the smaller probability counts. If a few weeks decide, such as
-        weeks of snow, their spread shows how far they differ; a placebo does not.
-        """
-        if one.effect.sensor_fault:
-            # other dates are no placebo of a date: whatever is slow has some
-            return [fit.by_all_weeks()]
-        placebo = self.seen.placebo(given, one.beyond(given), fit)
-        return [placebo, (fit.covariance, max(len(fit.weekly) - 1.0, 1.0))]
 
     def weighed(self, choice: Choice, others: Sequence[Choice]) -> Choice:
         """A choice with its rivals, by how much of its part each explains."""

@@ -462,11 +462,11 @@ def test_a_law_has_no_residual_along_what_it_derives(dust):
     selection, base = Selection(made, CRITERIA), [*made.base]
     (one,) = (c for c in selection.candidates(base) if c.name == "soiling")
     score = selection.score(one, base)
+    assert score.probability > 0.95
     misfit = max(law_misfits(made, one, base, score.fall))
     choice = selection.weighed(Choice(one, score), [])
     outside = with_outside(made, choice, base, CRITERIA).probabilities[OUTSIDE]
     if dust:
-        assert score.probability > 0.95
         assert misfit < 0.2 and outside < 0.1
     else:
         assert misfit > 0.7 and outside > 0.5
@@ -586,31 +586,6 @@ def test_an_effect_acts_where_its_driver_is_missing():
     assert found["half"][0] == pytest.approx(2.0, rel=0.03)
     assert found["half"][1] < 0.3 * found["zero"][1]
     assert abs(found["zero"][0] - 2.0) > 0.5
-
-
-@pytest.mark.parametrize("there", [0.0, 3.0])
-def test_a_few_weeks_of_their_own_weather_are_no_effect(there):
-    """
-    In six weeks of the year an effect is ten times as large as usual, as snow is.
-
-    These weeks have an error of their own, as the model has in such weather. Its sign
-    is that of the effect by accident alone, as often as not.
-    """
-    sure = 0
-    for seed in range(40):
-        random, (days, hours) = np.random.default_rng(seed), clock(364)
-        week = days // 7
-        few = np.isin(week, random.choice(52, 6, replace=False))
-        own = random.normal(size=52)[week] * np.where(few, 1.0, 0.1)
-        rest = there * own + few * random.normal(size=52)[week]
-        rest += noise(random, len(days))
-        made = design(rest, {"one": 1.0 + 0 * own, "rain.film": own}, days, hours)
-        made = replace(made, base=(1,), own={"rain": (2,)})
-        made = replace(made, effects={"rain": EFFECTS["rain"]})
-        selection = Selection(made, CRITERIA)
-        (one,) = (c for c in selection.candidates([1]) if c.name == "rain")
-        sure += selection.score(one, [1]).probability >= CRITERIA.min_probability
-    assert sure >= 30 if there else sure <= 1
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(-3.0, 3.0))
