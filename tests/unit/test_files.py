@@ -744,25 +744,16 @@ def tables(draw):
     return "\n".join(map(sep.join, draw(st.lists(row, max_size=12))))
 
 
-@settings(max_examples=40, deadline=None)
-@given(
-    text=tables(),
-    suffix=st.sampled_from([".csv", ".csv", ".xlsx", ".parquet"]),
-    arguments=st.sampled_from(
-        [
-            (),
-            ("--guess",),
-            ("--sep", ";", "--decimal", ","),
-            ("--map", "temp_air=Tamb", "--time-format", "unix"),
-        ]
-    ),
-)
-def test_no_file_ends_with_a_traceback(text, suffix, arguments, tmp_path_factory):
+@settings(max_examples=30, deadline=None)
+@given(text=tables(), suffix=st.sampled_from([".csv", ".csv", ".xlsx", ".parquet"]))
+def test_no_file_ends_with_a_traceback(text, suffix, tmp_path_factory):
     path = tmp_path_factory.mktemp("any") / f"any{suffix}"
     path.write_text(text, "utf-8")
-    result = call("fit", path, *arguments)
-    assert isinstance(result.exception, SystemExit | None), result.exception
-    assert result.output.startswith(("Error: ", "Usage: ", "this command"))
+    maps = ("--map", "temp_air=Tamb", "--time-format", "unix")
+    for arguments in ((), ("--guess",), ("--sep", ";", "--decimal", ","), maps):
+        result = call("fit", path, *arguments)
+        assert isinstance(result.exception, SystemExit | None), result.exception
+        assert result.output.startswith(("Error: ", "Usage: ", "this command"))
 
 
 def files_of(folder):
