@@ -78,11 +78,11 @@ class Scan:
                 yield "step", {"at": self.date_at(step.first)}
             trends.append(sums.best(sums.linear, some, last))
             trends.append(sums.best(sums.linear, np.array([0]), some))
-        episode = sums.inside(sums.constant, side, GRID, SHORTEST)
+        episode = sums.inside(sums.constant, side, min(SHORTEST, side), GRID)
         if episode is not None:
             start, end = self.date_at(episode.first), self.date_at(episode.last)
             yield "episode", {"start": start, "end": end}
-        inside = sums.inside(sums.linear, side, SPARSE)
+        inside = sums.inside(sums.linear, side, side, SPARSE)
         trends += [inside] if inside else []
         sawtooth = sums.with_resets(side)
         trends += [sawtooth] if sawtooth else []

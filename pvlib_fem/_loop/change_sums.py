@@ -189,16 +189,16 @@ class ChangeSums:
         self,
         falls: Callable[[np.ndarray, np.ndarray], np.ndarray],
         side: int,
+        least: int,
         many: int,
-        least: int | None = None,
     ) -> Span | None:
         """
         The best change that begins and ends within the record, or None.
 
-        Before and after it are ``side`` days at least, and within it ``least``, by
-        default as many. ``many`` dates are tried first.
+        Before and after it are ``side`` days at least, and within it ``least``.
+        ``many`` dates are tried first.
         """
-        days, least = len(self.table), min(least or side, side)
+        days = len(self.table)
         grid = np.unique(np.linspace(0, days, min(many, days)).astype(int))
         first, last = grid[np.column_stack(np.triu_indices(len(grid), 1))].T
         length = last - first

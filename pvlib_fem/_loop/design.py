@@ -59,12 +59,6 @@ class Hours:
             sums = np.add.reduceat(np.nan_to_num(column), self.first)
         return sums / self.count
 
-    def known(self, column: np.ndarray) -> np.ndarray:
-        """Share of each cell's rows on which a column is known."""
-        return (
-            np.add.reduceat(np.isfinite(column), self.first, dtype=float) / self.count
-        )
-
 
 @dataclass(frozen=True)
 class Changed:
@@ -169,8 +163,9 @@ class Design:
         columns = {n: means(evidence.columns[n]) for n in wanted}
         usual = np.array([columns[n] for n in base])
         for name in wanted:
-            if np.isnan(evidence.columns[name].sum()):
-                known = hours.known(evidence.columns[name])
+            missing = np.isnan(evidence.columns[name])
+            if missing.any():
+                known = 1.0 - means(missing.astype(float))
                 columns[name] = filled(columns[name], known, usual, rows)
         cells = np.array([means(residual), *columns.values()]).T
         scale = np.sqrt(rows @ cells**2 / rows.sum())
@@ -547,6 +542,7 @@ def filled(
 
     An effect also acts where its driver is not known. With zeros there, it would seem
     to come and go with the gaps. What ``usual`` columns predict says nothing of it.
+    ``known`` is the share of each cell's rows in which the column is known.
     """
     there = known > 0.0
     column = column / np.where(there, known, 1.0)

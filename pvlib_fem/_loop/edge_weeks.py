@@ -11,7 +11,7 @@ which it is, makes that a fitting week as well: else days without the fault woul
 corrected.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -39,7 +39,7 @@ SURE = 6.0  # twice the log-likelihood from which a day is said to be one
 MOST = 0.5  # of the test days, that may become fitting days
 
 
-def edge_weeks(case: Case, effects: Iterable[Effect], before: int) -> np.ndarray:
+def edge_weeks(case: Case, effects: Sequence[Effect], before: int) -> np.ndarray:
     """
     Test days of weeks that are needed for a change or a standstill.
 
@@ -60,15 +60,15 @@ def edge_weeks(case: Case, effects: Iterable[Effect], before: int) -> np.ndarray
         Days since 1970-01-01; none if they are more than half of the test days.
     """
     test = np.unique(case.whole.dates[case.held_out])
-    effects = [*effects]
-    found = [one for one in effects if one.turns]
     needed = np.zeros(len(test), dtype=bool)
+    found = [one for one in effects if one.turns]
     for effect in found:
         for name in ("between", "ended"):
             needed |= days_within(test, effect.settings.get(name, (0, 0)))
     needed &= np.isin(test, without_power(case))
-    fitting = np.unique(case.record.dates[case.searched])
-    for effect in effects:
+    changes = [one for one in effects if one.sensor_fault]
+    fitting = np.unique(case.record.dates[case.searched]) if changes else test[:0]
+    for effect in changes:
         needed |= of_its_dates(effect, test, fitting)
     if not found:
         for dates in hidden_standstills(case):
@@ -92,7 +92,7 @@ def of_its_dates(effect: Effect, test: np.ndarray, fitting: np.ndarray) -> np.nd
     """
     settings = effect.settings
     needed = np.zeros(len(test), dtype=bool)
-    if effect.turns or "between" not in settings:
+    if "between" not in settings:  # a trend of the whole record
         return needed
     unsure = days_within(fitting, settings["between"]).sum()
     for name in {"at", "start", "end"} & {*settings}:
