@@ -314,7 +314,7 @@ def no_time(
 
 
 def parsed_times(
-    column: pd.Series, time_format: str, tz: str | None = None
+    column: pd.Series, time_format: str, tz: str | None = None, exact: bool = True
 ) -> pd.Series:
     """
     Read texts as times, NaT where they are none.
@@ -328,6 +328,8 @@ def parsed_times(
         Of ``pandas.to_datetime``; with ``%Z`` also letters of zones.
     tz : str, optional
         Zone that such letters belong to, where they are of several.
+    exact : bool, default True
+        Whether the format is that of the whole text, or of a part of it.
 
     Returns
     -------
@@ -341,25 +343,27 @@ def parsed_times(
     """
     if "%Z" in time_format:
         return lettered_times(column, time_format, tz)
-    parsed = parsed_as(column, time_format)
+    parsed = parsed_as(column, time_format, exact)
     worded = {"%b", "%B", "%p"} & {*re.findall("%.", time_format)}
     if worded and (bad := parsed.isna()).any():  # in other languages, perhaps
         text, whole = column.astype(object), "%B" in time_format
         text[bad] = text[bad].map(lambda cell: in_english(as_text(cell), whole))
-        parsed = parsed_as(text, time_format)
+        parsed = parsed_as(text, time_format, exact)
     if (bad := parsed.isna()).any():
         text = column[bad].astype(object).map(as_text)
         begun = text.map(lambda cell: MIDNIGHT.sub(r"00\g<1>00", cell))
         if (late := (begun != text).to_numpy()).any():
-            midnight = parsed_as(begun[late], time_format) + pd.Timedelta(days=1)
+            midnight = parsed_as(begun[late], time_format, exact)
+            midnight += pd.Timedelta(days=1)
             parsed = parsed.copy()
             parsed.iloc[np.flatnonzero(bad)[late]] = midnight
     return parsed
 
 
-def parsed_as(column: Any, time_format: str) -> pd.Series:
+def parsed_as(column: Any, time_format: str, exact: bool = True) -> pd.Series:
     """The times of texts as they stand."""
     how: dict[str, Any] = {"format": time_format, "errors": "coerce"}
+    how |= {} if exact else {"exact": False}  # which pandas refuses for ISO8601
     try:
         parsed = pd.to_datetime(column, **how)
     except ValueError:

@@ -161,14 +161,12 @@ def formats(columns: pd.DataFrame, tz: str | None = None) -> list:
     if some.empty:
         return []
     column = joined_times(some)
-    ways = product(DATES, (" ", ", "), HOURS)
     first = column.iloc[:FIRST].astype(str)
     zone = ""
     if {*map(last_letters, first)} <= {*ZONES, *SEVERAL}:
         zone, tz = " %Z", tz or next(iter(zones_of(column)), None)
     elif first.str.contains(OFFSET).all():
         zone = " %z"
-    choices = [ISO, *(f"{date}{sign}{hour}{zone}" for date, sign, hour in ways)]
     if pd.api.types.is_datetime64_any_dtype(column):
         choices = [ISO]
     elif pd.api.types.is_numeric_dtype(column):
@@ -183,10 +181,14 @@ def formats(columns: pd.DataFrame, tz: str | None = None) -> list:
         pd.api.types.is_numeric_dtype(some.iloc[:, -1]) and some.iloc[:, -1].max() < 60
     ):
         return []  # an hour alone would be read as minutes
+    else:
+        dates = [d for d in DATES if parsed_times(first, d, exact=False).notna().all()]
+        ways = product(dates, (" ", ", "), HOURS)
+        choices = [ISO, *(f"{date}{sign}{hour}{zone}" for date, sign, hour in ways)]
     uneven = {}
     for form in choices:
         try:
-            if parsed_times(column.iloc[:FIRST], form, tz).isna().all():
+            if parsed_times(column.iloc[:FIRST], form, tz).isna().any():
                 continue
             read = parsed_times(column, form, tz)
         except (ValueError, TypeError):
