@@ -30,6 +30,8 @@ DIGIT = re.compile(r"\d")
 DAY_AND_MONTH = re.compile(r"^\D*(\d{1,2})\D+(\d{1,2})(?!\d)")
 #: the end of a day, as some write it; seconds are 00 already
 MIDNIGHT = re.compile(r"(?<!\d)24([:. ]?)00")
+#: last parts of a format, which R and spreadsheets leave out where they are zero
+LAST = (r"\.%f$", r":%S$", r"[^%\w]*%[HI](?!.*%[dYz]).*$")
 
 
 def with_time_index(
@@ -319,7 +321,9 @@ def parsed_times(
     """
     Read texts as times, NaT where they are none.
 
-    Months and halves of a day may be in another language, and 24:00 ends a day.
+    Months and halves of a day may be in another language, and 24:00 ends a day. Where
+    some texts have all of the format, others may end before seconds, or with the date:
+    what they leave out is zero.
 
     Parameters
     ----------
@@ -343,6 +347,17 @@ def parsed_times(
     """
     if "%Z" in time_format:
         return lettered_times(column, time_format, tz)
+    parsed = whole_times(column, time_format, exact)
+    for last in LAST:
+        shorter, bad = re.sub(last, "", time_format), parsed.isna()
+        if shorter not in ("", time_format) and bad.any() and not bad.all():
+            time_format, parsed = shorter, parsed.copy()
+            parsed[bad] = whole_times(column[bad], time_format, exact)
+    return parsed
+
+
+def whole_times(column: pd.Series, time_format: str, exact: bool) -> pd.Series:
+    """Times of texts that have all parts of a format."""
     parsed = parsed_as(column, time_format, exact)
     worded = {"%b", "%B", "%p"} & {*re.findall("%.", time_format)}
     if worded and (bad := parsed.isna()).any():  # in other languages, perhaps

@@ -43,9 +43,11 @@ DATES: tuple[str, ...] = (
     "%Y/%m/%d",
 )
 DATES += ("%d/%m/%y", "%m/%d/%y", "%d.%m.%y", "%Y%m%d", "%m-%d-%Y", "%Y.%m.%d")
+DATES += ("%y-%m-%d", "%y/%m/%d", "%Y-%j", "%Y年%m月%d日")
 #: the same with the month's name, in English
 DATES += ("%b %d, %Y", "%d %b %Y", "%d-%b-%Y", "%d-%b-%y", "%d/%b/%Y", "%b %d %Y")
 DATES += ("%B %d, %Y", "%d %B %Y")
+SIGNS = (" ", ", ", ":", "_")  # between date and hour, as in files of PVGIS
 HOURS = ("%H:%M", "%H:%M:%S", "%I:%M %p", "%I:%M:%S %p", "%H:%M:%S.%f", "%H.%M", "%H%M")
 HOURS += ("%I:%M%p", "%I:%M:%S%p", "%Hh%M")  # the last as in French
 #: parts of a time that have columns of their own, by their names: of a year, of a day
@@ -183,7 +185,7 @@ def formats(columns: pd.DataFrame, tz: str | None = None) -> list:
         return []  # an hour alone would be read as minutes
     else:
         dates = [d for d in DATES if parsed_times(first, d, exact=False).notna().all()]
-        ways = product(dates, (" ", ", "), HOURS)
+        ways = product(dates, SIGNS, HOURS)
         choices = [ISO, *(f"{date}{sign}{hour}{zone}" for date, sign, hour in ways)]
     uneven = {}
     for form in choices:
@@ -345,7 +347,7 @@ def clock_times(raw: pd.DataFrame, layout: Layout) -> pd.DatetimeIndex:
     if "%Z" in form:
         text, form, _ = without_letters(text, form, layout.tz)
     text = text.str.replace(r"(?<=\d)\s*([+-]\d\d:?\d\d|Z)$", "", regex=True)
-    return pd.DatetimeIndex(pd.to_datetime(text, format=form, errors="coerce"))
+    return pd.DatetimeIndex(parsed_times(text, form))
 
 
 def time_columns(raw: pd.DataFrame, layout: Layout) -> list[str]:

@@ -272,6 +272,10 @@ def test_no_name_of_another_quantity_is_proposed(name):
     assert usual_name(name) is None
 
 
+def form_of_parts(time, form, rest):
+    return form if time == time.normalize() else form + rest
+
+
 WRITTEN = {
     "%b %d, %Y %I:%M %p": lambda t: (
         f"{t:%b} {t.day}, {t:%Y} {t.hour % 12 or 12}:{t:%M %p}"
@@ -279,6 +283,14 @@ WRITTEN = {
     "%d %B %Y %H:%M": lambda t: f"{t:%d %B %Y %H:%M}",
     "%d-%b-%y %H:%M:%S": lambda t: f"{t:%d-%b-%y %H:%M:%S}",
     "%m/%d/%Y, %I:%M:%S %p": lambda t: f"{t:%m/%d/%Y, %I:%M:%S %p}",
+    "%Y%m%d:%H%M": lambda t: f"{t:%Y%m%d:%H%M}",  # as PVGIS
+    "%y-%m-%d %H:%M": lambda t: f"{t:%y-%m-%d %H:%M}",
+    "%Y-%j %H:%M": lambda t: f"{t:%Y-%j %H:%M}",
+    "%Y年%m月%d日 %H:%M": lambda t: f"{t:%Y年%m月%d日 %H:%M}",
+    # R and spreadsheets leave out what is zero
+    "%d.%m.%Y %H:%M:%S": lambda t: f"{t:{form_of_parts(t, '%d.%m.%Y', ' %H:%M:%S')}}",
+    "%m/%d/%Y %I:%M %p": lambda t: f"{t:{form_of_parts(t, '%m/%d/%Y', ' %I:%M %p')}}",
+    "%d/%m/%Y %H:%M:%S": lambda t: f"{t:{form_of_parts(t, '%d/%m/%Y %H:%M', ':%S')}}",
     "excel": lambda t: (t - pd.Timestamp("1899-12-30")) / pd.Timedelta(days=1),
 }
 
@@ -609,6 +621,14 @@ def test_dates_and_hours_as_loggers_write_them_are_proposed(logger, record, tmp_
     read = fem.read_file(path, time=time, time_format=form)
     assert (read.index == record.index).all()
     assert call(*words).exit_code == 0
+
+
+def test_dates_without_any_hour_are_no_times(record, tmp_path):
+    path = tmp_path / "plant.csv"
+    dates = record.index.strftime("%d.%m.%Y")
+    record.set_axis(dates).to_csv(path, index_label="time")
+    result = call("fit", path, "--time-format", "%d.%m.%Y %H:%M")
+    assert "holds no time of the format %d.%m.%Y %H:%M in row 0" in result.output
 
 
 def test_a_campbell_table_needs_the_proposal_alone(plant, tmp_path):
