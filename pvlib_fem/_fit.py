@@ -19,6 +19,7 @@ from pvlib_fem._former_names import keys_in_new_names
 from pvlib_fem._loop.planes import plane_of_columns, with_given
 from pvlib_fem._loop.replacements import Replacements
 from pvlib_fem._record.column_names import ALWAYS, COLUMNS, by_own_names, with_aliases
+from pvlib_fem._record.inputs import as_record
 from pvlib_fem._record.parquet import ParquetRecord, is_data_set
 from pvlib_fem._spelling import (
     LEAST_SQUARES,
@@ -29,12 +30,13 @@ from pvlib_fem._spelling import (
     refusal,
 )
 from pvlib_fem._thermal.model import ThermalModel, thermal_model
-from pvlib_fem.drivers import checked_place, geometry, needed_for
+from pvlib_fem.drivers import checked_place, needed_for
 from pvlib_fem.drivers._mounts import axis_of
 from pvlib_fem.effects import EffectLike, find, several
 from pvlib_fem.effects._testable_effects import about_axis, candidates
 from pvlib_fem.paper._recipe import METHODS, fit_paper, refuse_paper
 from pvlib_fem.quality._limits import Limits
+from pvlib_fem.quality._noon import geometry_of_means
 from pvlib_fem.types import FilePath
 
 MEMORIES = ("tau", "capacity")  # a dynamic model has one of these
@@ -245,8 +247,12 @@ def fit_frame(
     filled = instead.filled(data, ALWAYS, place, *how)
     columns, notes = filled.columns, filled.notes
     there: dict[str, Any] = columns
+    sun, lines = {}, []
     if effects:
-        there = {**geometry(data.index, **place), **columns}
+        record = as_record(*(columns.get(name) for name in COLUMNS))
+        light, limits = record["poa_global"], options.get("limits")
+        sun, lines = geometry_of_means(light, record.index, place, limits)
+        there = {**sun, **columns}
     absent = [name for name in COLUMNS if name not in columns]
     chosen, missing = candidates(there, {}, effects, absent=absent)
     chosen = about_axis(chosen, axis_of(place))
@@ -254,6 +260,7 @@ def fit_frame(
         raise refusal(f"the effect {name} cannot be fitted: {why}; ", NAMED)
     wanted = {name for effect in chosen for name in needed_for(effect.drivers)}
     drivers = {name: there[name] for name in there if name in wanted}
+    notes = (*notes, *lines) if {*drivers} & {*sun} else notes
     usual: list[Any] = [columns.get(name) for name in COLUMNS]
     fit = fit_fem(*usual, effects=chosen, **options, **drivers)
     return replace(fit, notes=(*notes, *fit.notes)) if notes else fit

@@ -8,7 +8,6 @@ import pandas as pd
 from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
-from pvlib_fem._record.checks import usual_step
 from pvlib_fem._record.column_names import numeric, with_aliases
 from pvlib_fem._record.parquet import Made, ParquetRecord
 from pvlib_fem._record.ranges import possible_range
@@ -26,7 +25,6 @@ from pvlib_fem.drivers._transposition import (
 from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._noon import (
     SolarNoon,
-    label_by_sun,
     lateness_of,
     solar_noon_shift,
 )
@@ -276,7 +274,7 @@ def with_plane(
 
 def sun_of_means(noon: SolarNoon, index: pd.DatetimeIndex) -> tuple[float, list[str]]:
     """By how much rows of means are after the middle of their steps [s], and a line."""
-    label = 0.0 if noon.faults else label_by_sun(noon.late, usual_step(index))
+    label = noon.label(index)
     if not label:
         return 0.0, []
     at = "ends" if label > 0 else "begins"

@@ -34,7 +34,7 @@ from pvlib_fem.effects._testable_effects import candidates, candidates_about_axi
 from pvlib_fem.effects._time_profiles import date_text
 from pvlib_fem.quality._irradiance_clock import twin_clock
 from pvlib_fem.quality._limits import Limits
-from pvlib_fem.quality._noon import lateness_of
+from pvlib_fem.quality._noon import label_lines, lateness_of
 from pvlib_fem.quality._plane import Plane, fixed_rather, plane_of
 from pvlib_fem.quality._tracker_standstill import Standing, standing_of
 from pvlib_fem.quality._unit_checks import options_of
@@ -144,7 +144,7 @@ def prepared_case(
             *map(str, look.detachments),
             *map(str, standings),
             *fitted_weeks(spared),
-            *label_lines(label, bool(sun)),
+            *label_lines(label if sun else 0.0),
             *notes_of(look, corrections, wanted, site, criteria),
         ),
         corrections=tuple(corrections),
@@ -250,16 +250,6 @@ def fitted_weeks(spared: Collection[int]) -> Iterator[str]:
         yield (
             f"the week from {date_text(first)} on is fitted and not a test week: a "
             "change of a sensor or a standstill may begin or end in it"
-        )
-
-
-def label_lines(label: float, known: bool) -> Iterator[str]:
-    """A line on rows that have the time at which their step ends or begins."""
-    if label and known:
-        at, way = ("ends", "earlier") if label > 0 else ("begins", "later")
-        yield (
-            f"by the middle of the day's light each row is a mean over the step that "
-            f"{at} at its time: the sun is taken half a step {way}"
         )
 
 

@@ -26,11 +26,12 @@ from pvlib_fem._record.column_names import (
 from pvlib_fem._record.filters import counted
 from pvlib_fem._record.inputs import as_record, with_columns
 from pvlib_fem._statistics.clusters import FOLDS
-from pvlib_fem.drivers import DERIVED, MODELLED, checked_place, geometry, needed_for
+from pvlib_fem.drivers import DERIVED, MODELLED, checked_place, needed_for
 from pvlib_fem.drivers._mounts import axis_of
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._testable_effects import candidates, candidates_about_axis
+from pvlib_fem.quality._noon import geometry_of_means
 from pvlib_fem.quality._screen import screened
 from pvlib_fem.reasons import Because, Reason, because
 
@@ -138,7 +139,8 @@ def rank_effects(
     )
     drivers |= plant_power(record, criteria.max_missing_share)
     there = {effect.name for effect in fit.effects}
-    sun = geometry(record.index, **place)
+    light, limits = record["poa_global"], criteria.limits
+    sun, lines = geometry_of_means(light, record.index, place, limits)
     known = {**drivers, **sun}
     testable, notes = candidates(known, refused, effects, there, record.absent)
     testable, fixed_plane = candidates_about_axis(testable, axis_of(place))
@@ -168,5 +170,5 @@ def rank_effects(
     order = pd.DataFrame({"no": table["physical"].ne(True), "loss": -table["gain"]})
     order = order.sort_values(["no", "loss"], kind="stable").index
     ranking = Ranking(table.loc[order].rename_axis("effect"))
-    ranking.attrs["notes"] = faults.notes
+    ranking.attrs["notes"] = [*faults.notes, *lines]
     return ranking

@@ -1,5 +1,6 @@
 """Is the whole file late? The middle of each day's light against the sun's."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +11,7 @@ from pvlib.location import Location
 
 from pvlib_fem._record.checks import instants, usual_step
 from pvlib_fem.drivers import standard_time
-from pvlib_fem.drivers._mounts import plane_angles
+from pvlib_fem.drivers._mounts import geometry, plane_angles
 from pvlib_fem.drivers._planes import ANGLES
 from pvlib_fem.quality._hours import day_of, days_of, listed_jumps, offsets, side_of
 from pvlib_fem.quality._jumps import jumps_of, whole_hours
@@ -37,6 +38,10 @@ class SolarNoon:
     within: tuple = ()  # (earliest, latest) day of each jump
     unsure: tuple = ()  # (begin, end) of the nights it may be in, from the start [s]
     hours: tuple = ()  # (from here on [s], late by that [s])
+
+    def label(self, index: pd.Index) -> float:
+        """From the middle of its step to the time of a row, if times are right."""
+        return 0.0 if self.faults else label_by_sun(self.late, usual_step(index))
 
 
 def solar_noon_shift(
@@ -150,6 +155,59 @@ def label_by_sun(late: float, step: float) -> float:
     if not (step > SHORTEST_STEP and np.isfinite(late)):
         return 0.0
     return float(np.sign(np.round(2.0 * late / step))) / 2.0 + 0.0
+
+
+def label_lines(label: float) -> Iterator[str]:
+    """
+    A line on rows that have the time at which their step ends or begins.
+
+    Parameters
+    ----------
+    label : float
+        From :func:`label_by_sun`. [steps]
+
+    Yields
+    ------
+    str
+        Nothing where rows have the middle of their steps.
+    """
+    if label:
+        at, way = ("ends", "earlier") if label > 0 else ("begins", "later")
+        yield (
+            f"by the middle of the day's light each row is a mean over the step that "
+            f"{at} at its time: the sun is taken half a step {way}"
+        )
+
+
+def geometry_of_means(
+    light: np.ndarray,
+    index: pd.DatetimeIndex,
+    place: dict[str, Any],
+    limits: Limits | None = None,
+) -> tuple[dict[str, pd.Series], list[str]]:
+    """
+    Columns of sun and plane at the middle of steps, if rows are means over them.
+
+    Parameters
+    ----------
+    light : array, shape (rows,)
+        Irradiance in the plane. [W/m²]
+    index : DatetimeIndex, shape (rows,)
+    place : dict
+        From :func:`pvlib_fem.drivers.checked_place`.
+    limits : Limits, optional
+        The thresholds.
+
+    Returns
+    -------
+    dict of Series, list of str
+        As :func:`pvlib_fem.drivers._mounts.geometry`, and a line on such means.
+    """
+    label = 0.0
+    if place["location"] is not None:
+        label = solar_noon_shift(light, index, **place, limits=limits).label(index)
+    late = lateness_of(label, index)
+    return geometry(index, **place, late=late), [*label_lines(label)]
 
 
 def lateness_of(label: float, index: pd.Index) -> float:

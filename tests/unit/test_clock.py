@@ -6,7 +6,8 @@ import pytest
 from conftest import COLUMNS, measured
 from pvlib.location import Location
 
-from pvlib_fem import Loop, close_loop, datasets, ewm, fit_fem, simulator
+from pvlib_fem import Loop, close_loop, datasets, ewm, fit_fem, rank_effects, simulator
+from pvlib_fem._fit import fit_frame
 from pvlib_fem._record.inputs import as_record
 from pvlib_fem.quality._lag import coarse_lag
 from pvlib_fem.quality._limits import Limits
@@ -393,6 +394,28 @@ def test_the_sun_is_in_the_middle_of_a_mean_however_it_is_labelled(
     loop.to_json(tmp_path / "loop.json")
     read = Loop.from_json(tmp_path / "loop.json")
     pd.testing.assert_series_equal(read.predict(hours), loop.predict(hours))
+
+
+def test_fits_and_rankings_have_the_sun_in_the_middle_of_means(ten_minutes):
+    site = ten_minutes.attrs["site"]
+    place = {n: site[n] for n in ("surface_tilt", "surface_azimuth")}
+    place["location"] = Location(site["latitude"], site["longitude"])
+    found = {}
+    for name in ("begin", "middle", "end"):
+        hours = ten_minutes[list(COLUMNS)].resample("1h").mean()
+        half = pd.Timedelta(minutes=30) * ("begin", "middle", "end").index(name)
+        hours = hours.set_axis(hours.index + half)
+        fit = fit_frame(hours, "poa_misalignment", model="faiman", **place)
+        plain = fit_fem(hours, model="faiman")
+        ranking = rank_effects(plain, hours, **place)
+        told = [*fit.notes, *ranking.attrs["notes"]]
+        assert sum("the sun is taken half a step" in n for n in told) == (
+            0 if name == "middle" else 2
+        )
+        found[name] = {**fit.coefficients, "gain": ranking["gain"]["incidence_angle"]}
+    for other in ("begin", "end"):
+        assert found[other] == pytest.approx(found["middle"], rel=1e-6)
+    assert found["middle"]["gain"] > 0.2
 
 
 def test_shorter_steps_have_the_sun_of_their_times(ten_minutes):
