@@ -22,6 +22,7 @@ from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,
     coefficients_from,
+    effective_length,
     effective_number,
     least_squares_coefficients,
     products,
@@ -483,8 +484,11 @@ class Design:
         Covariance that an estimate would have by accident, and its freedom.
 
         The residual is compared with the effect as it was on other days: each shift by
-        a week or more is a draw in which the effect explains nothing. The fit is of the
-        ``given`` columns and then the effect's ``own``.
+        a week or more is a draw in which the effect explains nothing. The error of the
+        days on which the effect acts may differ from that of others, and the draws are
+        scaled by their ratio. Neighbouring shifts of an effect that changes slowly are
+        much the same draw. The fit is of the ``given`` columns and then the effect's
+        ``own``.
         """
         size, root = len(own), np.sqrt(self.rows)
         table = np.array([self.values(c) for c in given]).T
@@ -507,9 +511,14 @@ class Design:
             ]
         )
         drawn = drawn[:, APART:-APART] if shape[0] > 3 * APART else drawn[:, 1:]
+        day, squares = place // shape[1], mine**2
+        errors = np.bincount(day, rest**2) / np.bincount(day, self.rows)
+        acting = errors[day] @ squares / squares.sum(axis=0)
+        drawn *= np.sqrt(acting * self.rows.sum() / (rest @ rest))[:, None]
         inverse = np.linalg.inv(with_ridge(mine.T @ mine))
         covariance = inverse @ (drawn @ drawn.T / drawn.shape[1]) @ inverse
-        return covariance, max(shape[0] / APART - 1.0, 1.0)
+        freedom = min([shape[0] / APART - 1.0, *map(effective_length, drawn)])
+        return covariance, max(freedom, 1.0)
 
     def columns_of(self, effect: Effect) -> tuple[Column, ...]:
         """Columns of an effect, with its dates if it is a sensor fault; or none."""

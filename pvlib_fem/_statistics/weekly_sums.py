@@ -56,6 +56,29 @@ def effective_number(weights: np.ndarray) -> float:
     return float(weights.sum() ** 2 / max((weights**2).sum(), 1e-300))
 
 
+def effective_length(draws: np.ndarray) -> float:
+    """
+    Effective number of draws of a mean square, if successive draws are alike.
+
+    It is the number of draws, divided by the sum of their squared autocorrelations over
+    all lags (Bayley and Hammersley, 1946, :doi:`10.2307/2983560`).
+
+    Parameters
+    ----------
+    draws : array, shape (draws,)
+
+    Returns
+    -------
+    float
+        The number of draws if all are 0.
+    """
+    count = len(draws)
+    power = np.abs(np.fft.rfft(draws, 2 * count)) ** 2
+    lags = np.fft.irfft(power)[:count]
+    squares = (lags[1:] / max(lags[0], 1e-300)) ** 2
+    return count / (1.0 + 2.0 * float(squares.sum()))
+
+
 @dataclass(frozen=True, eq=False)
 class LeastSquares:
     """
