@@ -61,7 +61,9 @@ def effective_length(draws: np.ndarray) -> float:
     Effective number of draws of a mean square, if successive draws are alike.
 
     It is the number of draws, divided by the sum of their squared autocorrelations over
-    all lags (Bayley and Hammersley, 1946, :doi:`10.2307/2983560`).
+    all lags (Bayley and Hammersley, 1946, :doi:`10.2307/2983560`). The noise of sample
+    autocorrelations is in that sum, so that the number is about half of the true one,
+    which is on the safe side.
 
     Parameters
     ----------

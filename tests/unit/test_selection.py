@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from scipy.signal import lfilter
+from scipy.stats import binomtest, f as fdistribution
 
 from pvlib_fem import Criteria, close_loop, simulator
 from pvlib_fem._findings import OUTSIDE
@@ -24,6 +26,7 @@ from pvlib_fem._loop.selection import Choice, Selection
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,
+    effective_length,
     explainable_share,
     held_out,
     products,
@@ -564,6 +567,54 @@ def test_the_placebo_of_white_noise_is_its_textbook_error():
     weekly = made.by_week([2, 1])
     covariance, _ = made.placebo([2], [1], LeastSquares(weekly, 1))
     assert covariance[0, 0] == pytest.approx(1.0 / len(days), rel=0.15)
+
+
+@pytest.mark.parametrize("more", [0.5, 2.0])
+def test_the_placebo_has_the_error_of_the_days_on_which_an_effect_acts(more):
+    random, (days, hours) = np.random.default_rng(6), clock(700)
+    acts = days // 10 % 5 == 0
+    own, rest = random.normal(size=(2, len(days)))
+    own, rest = np.where(acts, own, 0.0), np.where(acts, more, 1.0) * rest
+    made = design(rest, {"rain.film": own}, days, hours, own=["rain"])
+    fit = LeastSquares(made.by_week([1]), 1)
+    covariance, _ = made.placebo([], [1], fit)
+    # White (1980): the squares of the column times those of the error
+    assert covariance[0, 0] == pytest.approx(more**2 / len(days), rel=0.15)
+
+
+@pytest.mark.parametrize("dry", [0.9, 0.0, -0.9])
+def test_dirt_of_dry_months_is_as_probable_by_accident_as_is_stated(dry):
+    """Noise of a day and more, which in summer is three times as large."""
+    chances = []
+    for seed in range(200):
+        random, (days, hours) = np.random.default_rng(seed), clock(364)
+        sun, year = np.sin((hours - 6) * np.pi / 12), np.cos(days * YEAR - np.pi)
+        memory = np.exp(-1.0 / 24.0)
+        rest = lfilter([1.0], [1.0, -memory], random.normal(size=len(days)))
+        rest *= (1.0 + 0.5 * year) * (0.5 + sun)
+        rains = random.random(364) < 0.25 * (1.0 - dry * year[::24])
+        since = np.arange(364) - np.maximum.accumulate(np.arange(364) * rains)
+        columns = {"sun": sun, "one": np.ones(len(days)), "year": year}
+        columns |= {"sun of a year": year * sun}
+        columns["rain.film"] = np.minimum(since, 60)[days] * sun
+        day = sun > 0
+        columns = {name: column[day] for name, column in columns.items()}
+        made = design(rest[day], columns, days[day], hours[day], own=["rain"])
+        fit = LeastSquares(made.by_week([1, 2, 3, 4, 5]), 1)
+        covariance, freedom = made.placebo([1, 2, 3, 4], [5], fit)
+        ratio = fit.estimate[0] ** 2 / covariance[0, 0]
+        chances.append(fdistribution.sf(ratio, 1.0, freedom))
+    for level in (0.02, 0.1):
+        count = int(np.sum(np.array(chances) < level))
+        assert binomtest(count, len(chances), level).pvalue > 0.001, (level, count)
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from([0.0, 0.5, 0.9]))
+def test_draws_that_are_alike_count_less(seed, memory):
+    draws = noise(np.random.default_rng(seed), 4000, memory)
+    expected = 4000.0 * (1.0 - memory**2) / (1.0 + memory**2)
+    # the noise of the sample's autocorrelations halves it
+    assert 0.3 * expected < effective_length(draws) < expected
 
 
 def test_an_effect_acts_where_its_driver_is_missing():
