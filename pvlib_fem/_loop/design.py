@@ -486,9 +486,11 @@ class Design:
         The residual is compared with the effect as it was on other days: each shift by
         a week or more is a draw in which the effect explains nothing. The error of the
         days on which the effect acts may differ from that of others, and the draws are
-        scaled by their ratio. Neighbouring shifts of an effect that changes slowly are
-        much the same draw. The fit is of the ``given`` columns and then the effect's
-        ``own``.
+        scaled by their ratio. Neighbouring shifts of an effect that changes slowly, as
+        one by the sun's position, are much the same draw. Such an effect acts in all
+        weeks, so that the spread of these shows its error; one of a few weeks has many
+        placebos. The two estimates are averaged by their freedom. The fit is of the
+        ``given`` columns and then the effect's ``own``.
         """
         size, root = len(own), np.sqrt(self.rows)
         table = np.array([self.values(c) for c in given]).T
@@ -517,8 +519,11 @@ class Design:
         drawn *= np.sqrt(acting * self.rows.sum() / (rest @ rest))[:, None]
         inverse = np.linalg.inv(with_ridge(mine.T @ mine))
         covariance = inverse @ (drawn @ drawn.T / drawn.shape[1]) @ inverse
-        freedom = min([shape[0] / APART - 1.0, *map(effective_length, drawn)])
-        return covariance, max(freedom, 1.0)
+        weeks = shape[0] / APART - 1.0
+        many = max(min([weeks, *map(effective_length, drawn)]), 1.0)
+        both = many * covariance + fit.freedom * fit.covariance
+        both /= many + fit.freedom
+        return both, max(min(weeks, many + fit.freedom), 1.0)
 
     def columns_of(self, effect: Effect) -> tuple[Column, ...]:
         """Columns of an effect, with its dates if it is a sensor fault; or none."""
