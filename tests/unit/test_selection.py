@@ -582,21 +582,46 @@ def test_the_placebo_has_the_error_of_the_days_on_which_an_effect_acts(more):
     assert covariance[0, 0] == pytest.approx(more**2 / len(days), rel=0.15)
 
 
-@pytest.mark.parametrize("dry", [0.9, 0.0, -0.9])
-def test_dirt_of_dry_months_is_as_probable_by_accident_as_is_stated(dry):
-    """Noise of a day and more, which in summer is three times as large."""
+def of_dirt(random, hour, year):
+    """Days since rain, of which more falls in winter."""
+    rains = random.random(364) < 0.25 * (1.0 - 0.9 * year)
+    since = np.arange(364) - np.maximum.accumulate(np.arange(364) * rains)
+    return np.repeat(np.minimum(since, 60), 24)
+
+
+ACTING = {
+    "soiling": of_dirt,
+    "the sun in the east": lambda random, hour, year: hour - 12.0,
+    "the sun in the east, or in the west": lambda random, hour, year: (
+        (hour - 12.0) * np.repeat(np.roll(year, 91), 24)
+    ),
+    "each day another": lambda random, hour, year: np.repeat(
+        random.normal(size=364), 24
+    ),
+    "twenty days": lambda random, hour, year: np.repeat(
+        np.isin(np.arange(364) // 5, [3, 9, 66, 69]), 24
+    ),
+}
+
+
+@pytest.mark.parametrize("more", [0.5, -0.5])
+@pytest.mark.parametrize("acting", ACTING)
+def test_effects_are_as_sure_by_accident_as_is_stated(acting, more):
+    """Noise with a memory of a day, three times as large in summer, or in winter."""
     chances = []
-    for seed in range(200):
+    for seed in range(150):
         random, (days, hours) = np.random.default_rng(seed), clock(364)
-        sun, year = np.sin((hours - 6) * np.pi / 12), np.cos(days * YEAR - np.pi)
-        memory = np.exp(-1.0 / 24.0)
-        rest = lfilter([1.0], [1.0, -memory], random.normal(size=len(days)))
-        rest *= (1.0 + 0.5 * year) * (0.5 + sun)
-        rains = random.random(364) < 0.25 * (1.0 - dry * year[::24])
-        since = np.arange(364) - np.maximum.accumulate(np.arange(364) * rains)
+        sun, year = (
+            np.sin((hours - 6) * np.pi / 12),
+            np.cos(days * 2.0 * np.pi / YEAR - np.pi),
+        )
+        rest = lfilter(
+            [1.0], [1.0, -np.exp(-1.0 / 24.0)], random.normal(size=len(days))
+        )
+        rest *= (1.0 + more * year) * (0.5 + sun)
         columns = {"sun": sun, "one": np.ones(len(days)), "year": year}
         columns |= {"sun of a year": year * sun}
-        columns["rain.film"] = np.minimum(since, 60)[days] * sun
+        columns["rain.film"] = ACTING[acting](random, hours, year[::24]) * sun
         day = sun > 0
         columns = {name: column[day] for name, column in columns.items()}
         made = design(rest[day], columns, days[day], hours[day], own=["rain"])
