@@ -80,6 +80,7 @@ sphinx_gallery_conf = {
     "remove_config_comments": True,
     "abort_on_example_error": True,
     "plot_gallery": "True",
+    "parallel": 2,
 }
 
 # pandas 3 warns of a call that pvlib itself makes
