@@ -515,15 +515,14 @@ class Design:
         drawn = drawn[:, APART:-APART] if shape[0] > 3 * APART else drawn[:, 1:]
         day, squares = place // shape[1], mine**2
         errors = np.bincount(day, rest**2) / np.bincount(day, self.rows)
-        acting = errors[day] @ squares / squares.sum(axis=0)
-        drawn *= np.sqrt(acting * self.rows.sum() / (rest @ rest))[:, None]
+        acting = errors[day] @ squares / np.maximum(squares.sum(axis=0), 1e-300)
+        usual = max(rest @ rest / self.rows.sum(), 1e-300)
+        drawn *= np.sqrt(acting / usual)[:, None]
         inverse = np.linalg.inv(with_ridge(mine.T @ mine))
         covariance = inverse @ (drawn @ drawn.T / drawn.shape[1]) @ inverse
-        weeks = shape[0] / APART - 1.0
-        many = max(min([weeks, *map(effective_length, drawn)]), 1.0)
-        both = many * covariance + fit.freedom * fit.covariance
-        both /= many + fit.freedom
-        return both, max(min(weeks, many + fit.freedom), 1.0)
+        many, few = min(map(effective_length, drawn)), fit.freedom
+        both = (many * covariance + few * fit.covariance) / (many + few)
+        return both, many + few
 
     def columns_of(self, effect: Effect) -> tuple[Column, ...]:
         """Columns of an effect, with its dates if it is a sensor fault; or none."""
