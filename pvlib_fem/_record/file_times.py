@@ -323,7 +323,7 @@ def parsed_times(
 
     Months and halves of a day may be in another language, and 24:00 ends a day. Where
     some texts have all of the format, others may end before seconds, or with the date:
-    what they leave out is zero.
+    missing parts are zero.
 
     Parameters
     ----------
