@@ -40,9 +40,12 @@ dist: $(VENV)/.installed
 	-$(BIN)/python -m pip install --quiet py-rattler-build  # of few platforms
 	$(BIN)/python tests/dist.py
 
-# no network but for the packages: measured data come from PVLIB_FEM_DATA, if it is set
-docs: $(VENV)/.installed
+$(VENV)/.documented: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet --editable ".[doc]"
+	touch $@
+
+# no network but for the packages: measured data come from PVLIB_FEM_DATA, if it is set
+docs: $(VENV)/.documented
 	$(BIN)/python -m sphinx -W --keep-going -T -b html -d docs/_build/doctrees docs docs/_build/html
 	$(BIN)/python docs/check.py docs/_build/html
 
