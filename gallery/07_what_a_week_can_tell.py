@@ -6,8 +6,8 @@ Which effects can a week of four columns show, and which sensor is worth buying 
 A week fits the module's own coefficients, but :py:func:`pvlib_fem.close_loop` adds
 nothing on seven days, whatever else was measured. On ninety days of a simulated twin
 what is missing can be added one by one: location and angles, which cost nothing, take
-0.3 K off the error that the loop reaches, a wind vane 0.17 K more, a pyrgeometer
-0.18 K.
+0.23 K off the error that the loop reaches, a wind vane 0.13 K more, a pyrgeometer
+0.17 K.
 """
 
 import os
@@ -117,7 +117,7 @@ ax.set_xlabel("RMSE on test weeks [K]")
 # *What the loop reaches on test weeks, by what was measured. Bars: mean of three
 # springs, dots: each. Each sensor comes on top of location and angles.*
 #
-# Together the four sensors take 0.45 K off. A hygrometer hardly lowers the error, since
+# Together the four sensors take 0.37 K off. A hygrometer hardly lowers the error, since
 # the sky can be guessed from clouds and air temperature; but it turns the guess into a
 # name. These are numbers of this twin: give the simulator a site like yours.
 
