@@ -520,9 +520,7 @@ class Design:
         drawn *= np.sqrt(acting / usual)[:, None]
         inverse = np.linalg.inv(with_ridge(mine.T @ mine))
         covariance = inverse @ (drawn @ drawn.T / drawn.shape[1]) @ inverse
-        many, few = min(map(effective_length, drawn)), fit.freedom
-        both = (many * covariance + few * fit.covariance) / (many + few)
-        return both, many + few
+        return fit.averaged(covariance, min(map(effective_length, drawn)))
 
     def columns_of(self, effect: Effect) -> tuple[Column, ...]:
         """Columns of an effect, with its dates if it is a sensor fault; or none."""

@@ -161,10 +161,16 @@ class LeastSquares:
         """
         known = self.weights > SOME * self.weights.max()
         along = (self.scores @ self.mix)[known, 0] / np.sqrt(self.weights[known])
-        many, few = max(len(along) - 1.0, 1.0), self.freedom
+        many = max(len(along) - 1.0, 1.0)
         pooled = along @ along / many / self.weights.sum() * memory_factor(along)
-        both = (many * pooled + few * self.covariance) / (many + few)
-        return both, many + few
+        return self.averaged(pooled, many)
+
+    def averaged(
+        self, other: float | np.ndarray, many: float
+    ) -> tuple[np.ndarray, float]:
+        """The covariance, averaged with another estimate by their freedom, and both."""
+        few = self.freedom
+        return (many * other + few * self.covariance) / (many + few), many + few
 
 
 def memory_factor(scores: np.ndarray) -> float:
