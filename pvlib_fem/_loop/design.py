@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, is_power
+from pvlib_fem._record.column_names import ANGLES, COLUMNS, GEOMETRY, is_power
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.axes import Axis, axes, calendar_of
 from pvlib_fem._statistics.clusters import FEWEST_CLUSTERS, FOLDS, calendar_weeks
@@ -54,11 +54,28 @@ class Hours:
         return cls(first, np.diff(first, append=len(key)).astype(float))
 
     def means(self, column: np.ndarray) -> np.ndarray:
-        """Mean of a column in each cell; missing values count as 0."""
-        sums = np.add.reduceat(column, self.first)
+        """Mean of the known values of a column in each cell; NaN where none is."""
+        sums, count = np.add.reduceat(column, self.first), self.count
         if np.isnan(sums).any():
-            sums = np.add.reduceat(np.nan_to_num(column), self.first)
-        return sums / self.count
+            known = ~np.isnan(column)
+            sums = np.add.reduceat(np.where(known, column, 0.0), self.first)
+            count = np.add.reduceat(known, self.first, dtype=float)
+            sums[count == 0.0] = np.nan
+        return sums / np.maximum(count, 1.0)
+
+    def means_of_drivers(
+        self, columns: Mapping[str, np.ndarray]
+    ) -> dict[str, np.ndarray]:
+        """Mean of each driver in each cell, of directions as that of vectors."""
+        means = {}
+        for name, column in columns.items():
+            if name in ANGLES:
+                turned = np.radians(column)
+                east, north = self.means(np.sin(turned)), self.means(np.cos(turned))
+                means[name] = np.degrees(np.arctan2(east, north)) % 360.0
+            else:
+                means[name] = self.means(column)
+        return means
 
 
 @dataclass(frozen=True)
@@ -110,7 +127,8 @@ class Design:
     effects: dict[str, Effect]
     sensor_faults: dict[str, int]  # column along which each changes instruments
     changing: tuple[Effect, ...]  # changes whose dates are to be found
-    #: mean of each driver in each cell, and the clock and calendar of the cells
+    #: mean of each driver in each cell, NaN where it is missing, and the clock and
+    #: calendar of the cells
     places: dict[str, np.ndarray] = field(repr=False)
     #: mean in each cell of what effects derive from measured columns of their own
     derived: dict[str, np.ndarray] = field(default_factory=dict, repr=False)
@@ -162,7 +180,7 @@ class Design:
         tested = [name for names in own.values() for name in names]
         wanted = dict.fromkeys([*base, *tested, *sensor_faults.values()])
         columns = {n: means(evidence.columns[n]) for n in wanted}
-        usual = np.array([columns[n] for n in base])
+        usual = np.nan_to_num([columns[n] for n in base])
         for name in wanted:
             missing = np.isnan(evidence.columns[name])
             if missing.any():
@@ -174,7 +192,7 @@ class Design:
         order = {name: i + 1 for i, name in enumerate(wanted)}
         measured = drivers_of(record, evidence.rows, drivers)
         derived = derived_of(record, evidence.rows, effects.values())
-        places = {name: means(values) for name, values in measured.items()}
+        places = hours.means_of_drivers(measured)
         places |= calendar_of(record.index[evidence.rows][first])
         return cls(
             names=("residual", *wanted),
@@ -191,7 +209,7 @@ class Design:
             sensor_faults={n: order[c] for n, c in sensor_faults.items()},
             changing=tuple(effect for effect, _ in evidence.changing),
             places=places,
-            derived={name: means(values) for name, values in derived.items()},
+            derived=hours.means_of_drivers(derived),
         )
 
     @classmethod
@@ -556,7 +574,6 @@ def filled(
     ``known`` is the share of each cell's rows in which the column is known.
     """
     there = known > 0.0
-    column = column / np.where(there, known, 1.0)
     root = np.sqrt(rows * known)[there]
     slopes = least_squares_coefficients(
         (usual[:, there] * root).T, (column[there] * root)[:, None]

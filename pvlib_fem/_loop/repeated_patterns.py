@@ -88,19 +88,15 @@ def axes_and_pairs(axes: Sequence[Axis]) -> list[tuple[Axis, ...]]:
 def places_of(
     record: Record, rows: np.ndarray, hours: Hours, drivers: tuple
 ) -> dict[str, np.ndarray]:
-    """Mean of each driver in cells of an hour, NaN with a gap, and their calendar."""
+    """Mean of each driver in cells of an hour, NaN with no value, and the calendar."""
     past = [*PAST, SINCE_RAIN] if "precipitation" in drivers else [*PAST]
     inputs = derive_drivers(record.inputs, past)
     names = {*COLUMNS[:3], *GEOMETRY, *drivers, *past} & {*inputs.columns}
     # predictions from weather have no power
     names = {name for name in names if not is_power(name)}
     columns = {name: inputs[name][rows] for name in sorted(names)}
-    means = {
-        name: np.add.reduceat(column, hours.first) / hours.count
-        for name, column in columns.items()
-        if np.isfinite(column).any()
-    }
-    return means | calendar_of(record.index[rows][hours.first])
+    known = {n: column for n, column in columns.items() if np.isfinite(column).any()}
+    return hours.means_of_drivers(known) | calendar_of(record.index[rows][hours.first])
 
 
 def with_patterns(case: "Case", step: "Step", patterns: tuple[Pattern, ...]) -> "Step":

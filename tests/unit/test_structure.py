@@ -1,11 +1,15 @@
 """Where a residual lives, against residuals that are put somewhere."""
 
 import re
+import warnings
 
 import numpy as np
 import pandas as pd
 import pytest
+from hypothesis import given, strategies as st
+from hypothesis.extra.numpy import arrays
 
+from pvlib_fem._loop.design import Hours
 from pvlib_fem._loop.repeated_patterns import axes_and_pairs
 from pvlib_fem._statistics.axes import axes, sorted_by
 from pvlib_fem._statistics.clusters import calendar_weeks
@@ -130,6 +134,36 @@ def test_few_days_have_no_weekend():
     clock = {name: values[rows] for name, values in CLOCK.items()}
     names = {axis.name for axis in axes(clock, DATES[rows])}
     assert names == {"hour"}
+
+
+def hourly(**columns):
+    """Mean of each column in hours of four rows."""
+    first = np.arange(0, len(TIMES), 4)
+    return Hours(first, np.full(len(first), 4.0)).means_of_drivers(columns)
+
+
+@pytest.mark.parametrize("name", ["wind_direction", "solar_azimuth"])
+def test_the_mean_of_directions_about_north_is_north(name):
+    degrees = RANDOM.normal(0.0, 15.0, len(TIMES)) % 360.0
+    means = hourly(**{name: degrees})[name]
+    assert (np.abs((means + 180.0) % 360.0 - 180.0) < 45.0).all()
+
+
+@given(
+    stored=arrays(float, len(TIMES) // 91, elements=st.floats(0.0, 360.0)),
+    gaps=arrays(bool, len(TIMES) // 91),
+)
+def test_a_missing_value_of_a_driver_is_none(stored, gaps):
+    """Neither a humidity nor a wind of zero; the others of the hour count."""
+    gappy = np.where(gaps, np.nan, stored)
+    first = np.arange(0, len(stored), 4)
+    hours = Hours(first, np.full(len(first), 4.0))
+    names = ("relative_humidity", "wind_direction")
+    found = hours.means_of_drivers(dict.fromkeys(names, gappy))
+    with warnings.catch_warnings(action="ignore"):
+        want = np.nanmean(gappy.reshape(-1, 4), axis=1)
+    np.testing.assert_allclose(found["relative_humidity"], want, rtol=1e-9)
+    np.testing.assert_array_equal(np.isnan(found["wind_direction"]), np.isnan(want))
 
 
 @pytest.mark.parametrize("name", ["wind_direction", "relative_humidity"])
