@@ -181,13 +181,13 @@ def solution(
     """Shifts from the fit's minimum, their covariance (CR3), and unknown names."""
     kept = [minimum.daily.names.index(name) for name in minimum.names]
     daily = minimum.daily.sums.on(days)
-    clusters, scale = daily.by_cluster, daily.scale[kept]
-    normals = submatrices(clusters, kept)
+    weeks, scale = daily.by_week, daily.scale[kept]
+    normals = submatrices(weeks, kept)
     inverse, unknown = directions(normals.sum(axis=0))
-    shift = inverse @ clusters[:, kept, -1].sum(axis=0)
-    scores = clusters[:, kept, -1] - normals @ shift
+    shift = inverse @ weeks[:, kept, -1].sum(axis=0)
+    scores = weeks[:, kept, -1] - normals @ shift
     covariance = jackknife_covariance(normals, scores, inverse) / np.outer(scale, scale)
     tied = tied_names(minimum.names, unknown)
     if {*tied} & {*minimum.steady}:
         tied.append(R_EQ)
-    return shift / scale, covariance, len(clusters), tied
+    return shift / scale, covariance, len(weeks), tied

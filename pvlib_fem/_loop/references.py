@@ -1,7 +1,7 @@
 """How references deviate from an instrument, from day to day."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, cast
 
@@ -16,7 +16,8 @@ from pvlib_fem._loop.comparisons import (
     Comparison,
 )
 from pvlib_fem._record.inputs import Record
-from pvlib_fem._statistics.clusters import WEEK, cluster_sums_of
+from pvlib_fem._statistics.clusters import WEEK, week_numbers
+from pvlib_fem._statistics.weekly_sums import LeastSquares, products
 from pvlib_fem.drivers import derive_drivers
 from pvlib_fem.drivers._mounts import angles_at
 from pvlib_fem.effects._effect import Effect
@@ -59,19 +60,18 @@ class DailyDeviation:
         """
         The change along a time profile given others, its error, and the residual.
 
-        It is a change of the deviation, or of other daily ``values``.
+        It is a change of the deviation, or of other daily ``values``. Its error is that
+        of a change of the module's temperature: by weeks and their memory.
         """
         values = self.apart if values is None else values
-        columns = [*self.usual, *others, weights]
-        table = np.column_stack([*columns, values])
-        products = table[:, :, None] * table[:, None, :]
-        sums = cluster_sums_of(self.days, products, len(values))
-        sums = replace(sums, weeks=sums.weeks * WEEK // MONTH)
-        sizes = sums.solved / sums.scale
-        variance = sums.covariance()[-1, -1] / sums.scale[-1] ** 2
-        table = table[:, :-1]
-        error = np.sqrt(variance + self.wandering(table))
-        return float(sizes[-1]), float(error), values - table @ sizes
+        table = np.column_stack([values, *self.usual, *others, weights])
+        starts = np.flatnonzero(np.diff(week_numbers(self.days), prepend=-1))
+        edges = np.append(starts, len(table))
+        fit = LeastSquares(products(table, np.ones(len(table)), edges), 1)
+        residual = table @ np.append(1.0, -fit.solved)
+        variance = float(np.squeeze(fit.by_all_weeks()[0]))
+        error = np.sqrt(variance + self.wandering(table[:, 1:]))
+        return float(fit.estimate[0]), float(error), residual
 
     def wandering(self, table: np.ndarray) -> float:
         """Variance of the last coefficient by what differs from year to year."""

@@ -14,7 +14,6 @@ import pandas as pd
 from scipy.sparse import csr_array
 
 from pvlib_fem._statistics.leastsquares import products
-from pvlib_fem._statistics.weekly_sums import RIDGE
 
 FOLDS = 5  # groups of weeks, or days, that are held out in turn
 WEEK = 7  # days that stay together in a fold
@@ -32,8 +31,7 @@ class ClusterSums:
 
     sums: np.ndarray  # days, columns + 1, columns + 1
     scale: np.ndarray
-    weeks: np.ndarray  # of each day, in order
-    dates: np.ndarray  # of each day, from 1970-01-01
+    dates: np.ndarray  # of each day, from 1970-01-01, in order
 
     @property
     def days(self) -> int:
@@ -44,18 +42,14 @@ class ClusterSums:
         return self.sums.sum(axis=0)
 
     @cached_property
-    def clusters(self) -> np.ndarray:
-        """First day of each cluster: a week with its weather, or a day if few weeks."""
-        weeks, first = np.unique(self.weeks, return_index=True)
-        return np.arange(self.days) if len(weeks) < FEWEST_CLUSTERS else first
-
-    @cached_property
-    def by_cluster(self) -> np.ndarray:
-        """Sums per cluster."""
-        if len(self.clusters) == self.days:
+    def by_week(self) -> np.ndarray:
+        """Sums per week, with its weather; per day where weeks are few."""
+        number = week_numbers(self.dates)
+        first = np.flatnonzero(np.diff(number, prepend=-1))
+        if len(first) == self.days:
             return self.sums
         # three times as fast as np.add.reduceat
-        ends, days = np.append(self.clusters, self.days), np.arange(self.days)
+        ends, days = np.append(first, self.days), np.arange(self.days)
         weeks = csr_array((np.ones(self.days), days, ends))
         sums = weeks @ self.sums.reshape(self.days, -1)
         return sums.reshape(-1, *self.sums.shape[1:])
@@ -67,22 +61,7 @@ class ClusterSums:
 
     def on(self, days: np.ndarray) -> "ClusterSums":
         """Sums of some days, by their places."""
-        return replace(self, sums=self.sums[days], weeks=self.weeks[days])
-
-    @cached_property
-    def solved(self) -> np.ndarray:
-        """Best coefficients of all columns."""
-        whole = self.whole[:-1, :-1]
-        return np.linalg.solve(whole + ridge(whole), self.whole[:-1, -1])
-
-    def covariance(self) -> np.ndarray:
-        """Covariance of the solution by the jackknife over weeks (CR3)."""
-        sums = self.by_cluster
-        normals = sums[:, :-1, :-1]
-        whole = normals.sum(axis=0)
-        inverse = np.linalg.inv(whole + ridge(whole))
-        scores = sums[:, :-1, -1] - normals @ self.solved
-        return jackknife_covariance(normals, scores, inverse)
+        return replace(self, sums=self.sums[days], dates=self.dates[days])
 
     def by_day(self) -> np.ndarray:
         """Covariance at a minimum of all columns by the jackknife over days."""
@@ -165,7 +144,7 @@ def cluster_sums_of(
     scale[scale == 0] = 1.0
     scales = np.append(scale, 1.0)
     sums = sums / np.outer(scales, scales)
-    return ClusterSums(sums, scale, calendar_weeks(days), days)
+    return ClusterSums(sums, scale, days)
 
 
 def products_by_day(columns: list, dates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -320,9 +299,3 @@ def jackknife_covariance(
     complement = np.eye(len(inverse)) - normals @ inverse
     shifts = np.linalg.solve(complement, scores[..., None])[..., 0] @ inverse
     return (len(scores) - 1) / len(scores) * shifts.T @ shifts
-
-
-def ridge(normal: np.ndarray) -> np.ndarray:
-    """A small ridge that keeps the system regular if a column is zero."""
-    size = np.diag(normal)
-    return np.diag(RIDGE * (size + size.mean()))

@@ -8,6 +8,7 @@ import pvlib
 import pytest
 import study_instruments
 from pvlib.location import Location
+from scipy.signal import lfilter
 from test_instruments import DATES, closed, dated, half_a_year, with_change  # noqa: F401
 
 from pvlib_fem import close_loop, simulator
@@ -394,3 +395,21 @@ def test_power_of_a_logger_that_is_off_is_held_to_the_right_time(own_logger):
     actions = loop.corrected(data).actions
     retimed = {*actions["column"][actions["cause"] == "clock_shift"]}
     assert retimed == {"temp_module"} | ({"power_dc"} if not own_logger else set())
+
+
+@pytest.mark.parametrize("days", [60, 120, 365])
+@pytest.mark.parametrize("memory", [0.0, 0.8, 0.9])
+def test_the_error_of_a_deviation_is_that_of_noise_that_lasts(days, memory):
+    """Also of a record of two months, whose weather repeats from day to day."""
+    random = np.random.default_rng(0)
+    after = (np.arange(days) >= days // 2).astype(float)
+    found = []
+    for _ in range(200):
+        white = random.standard_normal(days + 100)
+        noise = lfilter([np.sqrt(1.0 - memory**2)], [1.0, -memory], white)[100:]
+        one = DailyDeviation(COMPARISONS[0], "", 19_000 + np.arange(days), noise, dict)
+        found.append(one.along(after)[:2])
+    sizes, errors = np.array(found).T
+    # two months of noise that remembers ten days are few draws
+    least = 0.55 if memory * (days < 100) > 0.8 else 0.7
+    assert least < np.sqrt(np.mean(errors**2) / np.mean(sizes**2)) < 1.25
