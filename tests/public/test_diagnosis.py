@@ -56,6 +56,20 @@ def test_the_planted_effect_comes_first(plant, noise, name):
         assert value == pytest.approx(truth[key], rel=0.3, abs=4 * best["stderr"][key])
 
 
+def test_a_trend_is_ranked_by_the_part_of_the_record_that_shows_it_best():
+    """A pyranometer that loses light in the second half only."""
+    data = fem.simulator.record(
+        effects=fem.simulator.PHYSICS, days=200, step=900, seed=5
+    )
+    data = data[[*COLUMNS]]
+    late = np.clip(np.linspace(-1.0, 1.0, len(data)), 0.0, None)
+    data["poa_global"] *= 1.0 - 0.12 * late
+    row = fem.rank_effects(fem.fit_fem(data), data).loc["irradiance_sensor_drift"]
+    (per_year,) = row["coefficients"].values()
+    assert per_year == pytest.approx(0.12 / (100.0 / 365.25), rel=0.2)
+    assert row["p_value"] < 1e-6 and row["gain"] > 0.3
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_where_nothing_is_nothing_is_gained(plant, noise, seed):
     data = record_with(plant, noise, seed=seed)
