@@ -17,7 +17,9 @@ BRIGHT = 100.0  # W/m², above which power is proportional to efficiency
 FEWEST = 100  # bright rows with power
 MOST = 20_000  # rows of a fit; more rows would not reduce its error
 YEAR = 365.25  # days
-GAMMA, GAMMAS = -0.004, (-0.008, 0.0)  # 1/K: crystalline silicon in PVWatts, bounds
+#: temperature coefficient of power, between -0.0047 of standard and -0.0035 of premium
+#: modules in PVWatts, and its bounds [1/K]
+GAMMA, GAMMAS = -0.004, (-0.008, 0.0)
 OWNS = (0.0, 50.0)  # W/m², bounds of the irradiance lost to inverter and low light
 #: prior standard deviations: of the temperature coefficient [1/K], of the irradiance
 #: lost to inverter and low light [W/m²], and, both in logarithms, of each harmonic of

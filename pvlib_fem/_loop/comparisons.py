@@ -13,10 +13,10 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._record.column_names import is_power, twin_of
+from pvlib_fem.power import GAMMA
 
 BRIGHT = 200.0  # W/m², above which light is compared
 BREEZE = 1.0  # m/s, above which wind is
-GAMMA = -0.004  # 1/K, of power: crystalline silicon, as PVWatts has it
 SLACK = 0.15  # of what is expected: a thermal coefficient is no better than that
 FEWEST_DAYS = 40  # on which both are there
 FEWEST_CLEAR = 20  # clear days, since most of the noise is in the others
