@@ -7,7 +7,13 @@ import numpy as np
 import pandas as pd
 from pvlib.location import Location
 
-from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, is_power, twin_of
+from pvlib_fem._record.column_names import (
+    ANGLES,
+    COLUMNS,
+    GEOMETRY,
+    is_power,
+    twin_of,
+)
 from pvlib_fem._record.inputs import Record
 from pvlib_fem.drivers import geometry
 from pvlib_fem.reasons import Reason
@@ -81,8 +87,17 @@ def past_of(name: str, record: Record, rows: np.ndarray) -> Iterator:
     series = pd.Series(values, pd.to_datetime(seconds, unit="s"))
     for window in WINDOWS:
         if pd.Timedelta(window).total_seconds() > step:
-            means = series.rolling(window, closed="left").mean()
+            means = past_means(series, window, name in ANGLES)
             yield f"{name}, {window} before", means.to_numpy()[rows]
+
+
+def past_means(values: pd.Series, window: str, circular: bool) -> pd.Series:
+    """Means of the time before each row; of directions, that of vectors."""
+    if circular:
+        turned = np.radians(values)
+        east, north = (past_means(f(turned), window, False) for f in (np.sin, np.cos))
+        return np.degrees(np.arctan2(east, north)) % 360.0
+    return values.rolling(window, closed="left").mean()
 
 
 def clock_of(record: Record, location: Location | None) -> Iterator:

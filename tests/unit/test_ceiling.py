@@ -14,7 +14,7 @@ import pvlib_fem as fem
 from pvlib_fem import plotting, simulator
 from pvlib_fem._ceiling import trees as room
 from pvlib_fem._ceiling.ceiling_result import Ceiling
-from pvlib_fem._ceiling.tree_columns import features, group_of, past_of
+from pvlib_fem._ceiling.tree_columns import features, group_of, past_means, past_of
 from pvlib_fem._ceiling.trees import left_out
 from pvlib_fem._record.inputs import as_record
 from pvlib_fem._statistics.clusters import calendar_weeks
@@ -157,6 +157,13 @@ def test_the_past_is_of_the_past_alone():
     assert gaps.tolist() == [0, 90]  # none over a gap
     hour = before["poa_global, 1h before"]
     assert hour[50] == pytest.approx(measured[48:50].mean())
+
+
+def test_the_past_mean_of_winds_about_north_is_north():
+    times = pd.date_range("2023-06-01", periods=600, freq="5min", tz="UTC")
+    degrees = np.random.default_rng(0).normal(0.0, 15.0, 600) % 360.0
+    means = past_means(pd.Series(degrees, times), "6h", circular=True).iloc[72:]
+    assert (np.abs((means + 180.0) % 360.0 - 180.0) < 10.0).all()
 
 
 def test_whole_weeks_are_left_out_to_count_trees():
