@@ -96,7 +96,7 @@ def past_means(values: pd.Series, window: str, circular: bool) -> pd.Series:
     if circular:
         turned = np.radians(values)
         east, north = (past_means(f(turned), window, False) for f in (np.sin, np.cos))
-        return np.degrees(np.arctan2(east, north)) % 360.0
+        return pd.Series(np.degrees(np.arctan2(east, north)), values.index) % 360.0
     return values.rolling(window, closed="left").mean()
 
 
