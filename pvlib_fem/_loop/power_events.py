@@ -13,7 +13,6 @@ from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers import derive_drivers
 from pvlib_fem.drivers._plant_irradiance import light_shown
 from pvlib_fem.effects import find
-from pvlib_fem.effects._time_profiles import weights_of
 from pvlib_fem.power import fit_power_arrays
 from pvlib_fem.scores import row_hours
 
@@ -25,6 +24,9 @@ KINDS = ("modules_covered", "sensor_covered", "outage")
 EVENTS = (*KINDS, "underperformance")
 #: effects that follow power, and are no part of what events are looked for in
 BY_POWER = (*KINDS, "electrical_output")
+#: effects and sensor faults by which the modules receive more than the sensor reads
+OF_LIGHT = ("irradiance_sensor", "module_irradiance", "soiling")
+TINY = 1e-9  # W/m²
 EXTRA = ("temp_air", "wind_speed", "snow_depth")
 
 
@@ -51,7 +53,7 @@ def events_of(fits: "Fits", step: "Step") -> pd.DataFrame:
     inputs = model.with_base(record.inputs, ["temp_base", "loss_base"])
     inputs = derive_drivers(inputs, [off, "day"])
     given = [inputs[n] for n in ("poa_global", "temp_base", powers[0], "day")]
-    given[0] = given[0] * true_over_read(step, model, record.dates)
+    given[0] = given[0] * true_over_read(step, model, inputs)
     try:
         relation = fit_power_arrays(*(column[case.fitting] for column in given))
     except ValueError:  # no power on the fitting weeks
@@ -87,14 +89,17 @@ def events_of(fits: "Fits", step: "Step") -> pd.DataFrame:
 
 
 def true_over_read(
-    step: "Step", model: ThermalModel, dates: np.ndarray
+    step: "Step", model: ThermalModel, inputs: Inputs
 ) -> np.ndarray | float:
     """Irradiance on the modules over what the sensor reads, by the model. [-]"""
     ratio: np.ndarray | float = 1.0
+    poa = np.maximum(inputs["poa_global"], TINY)
     for effect in model.effects:
-        if effect.sensor_fault in ("irradiance_sensor", "module_irradiance"):
-            (change,) = (step.coefficients[name] for name in effect.rows())
-            ratio = ratio * (1.0 + change * weights_of(effect, dates))
+        if effect.sensor_fault in OF_LIGHT or effect.name in OF_LIGHT:
+            columns = derive_drivers(inputs, effect.drivers).columns
+            heat = effect.at(columns, step.coefficients).heat
+            # where its driver is missing, as in the model
+            ratio = ratio * (1.0 + np.nan_to_num(heat / poa))
     return ratio
 
 
