@@ -65,14 +65,14 @@ def log_likelihoods(
         dated = [n for n in names if is_dated(choice.members[n].effect)]
         for name, worse in one.profiles([choice.members[n].effect for n in dated]):
             logs[name] += worse
-        size, error, expected, aged = shown
-        expected = dict.fromkeys(logs, 0.0) | expected
+        size, error, aged = shown.size, shown.error, shown.aged
+        expected = dict.fromkeys(logs, 0.0) | shown.expected
         broad = np.hypot(max(abs(value) for value in expected.values()), error)
         anything = density(size, broad)
         likelihoods = {
             name: density(
                 size - value + aged,
-                np.sqrt(error**2 + (SLACK * value) ** 2 + aged**2),
+                np.sqrt(error**2 + (shown.slack.get(name, 0.0) * value) ** 2 + aged**2),
             )
             for name, value in expected.items()
         }
@@ -132,33 +132,36 @@ def cross_checks(
         shown = one.shown(choice, first, alike, coefficients)
         if shown is None:
             continue
-        size, error, expected, aged = shown
+        size, aged = shown.size, shown.aged
         years = years_to_end(first)  # of a trend that ends, what it reaches
         unit = one.comparison.unit + ("/year" if is_drift(first) and not years else "")
         times = years or 1.0
         told: set[float] = set()
         for name in alike:
-            if (same := round(expected[name], DIGITS)) in told:  # of the same law
+            if (same := round(shown.expected[name], DIGITS)) in told:  # of the same law
                 continue
             told.add(same)
-            value = expected[name] - aged
-            outcome = outcome_of(size, value, float(np.hypot(error, aged / SURE)))
-            numbers = (times * size, times * error, times * value)
+            value = shown.expected[name] - aged
+            error = float(np.hypot(shown.error, aged / SURE))
+            outcome = outcome_of(size, value, error, shown.slack[name])
+            numbers = (times * size, times * shown.error, times * value)
             checks.append(CrossCheck(one.column, name, *numbers, outcome, unit))
     return tuple(checks)
 
 
-def outcome_of(size: float, expected: float, error: float) -> CheckOutcome:
+def outcome_of(
+    size: float, expected: float, error: float, slack: float = SLACK
+) -> CheckOutcome:
     """
     Whether a size is significantly nearer to the expected one than to 0.
 
     A size that is significantly nearer to twice the expected one has another cause, or
-    a further one: it cannot tell.
+    a further one: it cannot tell. ``slack`` is the relative error of what is expected.
     """
     if expected == 0.0:
         return CheckOutcome.CANNOT_TELL
     ratio = size / expected
-    sure = SURE * np.hypot(error, HALF * SLACK * expected) / abs(expected)
+    sure = SURE * np.hypot(error, HALF * slack * expected) / abs(expected)
     if ratio < HALF - sure:
         return CheckOutcome.CONTRADICTS
     if HALF + sure < ratio < 2.0 - HALF + sure:

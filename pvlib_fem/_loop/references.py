@@ -11,6 +11,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from pvlib_fem._loop.comparisons import (
     COMPARISONS,
     SKY,
+    SLACK,
     USUAL_WIND,
     ComparedRecord,
     Comparison,
@@ -32,7 +33,20 @@ FADES = 0.005  # of power by a module that ages; up to twice as much, or none [1
 MONTH = 4 * WEEK  # days that are one draw of the weather
 YEAR = 365.25  # days, over which weather forgets what it was
 NEIGHBOURS = 4  # compared days before and after one that may be as it is
+LEAST_Z = 1e-3  # standard errors of a size that is next to nothing
 OUTLIER = 4.0  # interquartile ranges from the median: snow, a fault, clipped power
+
+
+@dataclass(frozen=True)
+class Shown:
+    """How something deviates along a time profile, and what was to be expected."""
+
+    size: float
+    error: float  # standard error of the size
+    expected: dict[str, float]  # by each candidate, of the size that it has in the fit
+    #: relative standard errors of these: of a thermal coefficient, and of that size [-]
+    slack: dict[str, float]
+    aged: float  # by how much it fades by itself
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,12 +134,11 @@ class DailyDeviation:
         first: Effect,
         names: Sequence[str],
         coefficients: Mapping[str, float],
-    ) -> tuple[float, float, dict[str, float], float] | None:
+    ) -> "Shown | None":
         """
         Its deviation along the profile of an effect, and what members would make it.
 
-        Returned are the deviation, its error, by name what each of some members would
-        make it, and by how much it ages by itself; None where it shows nothing.
+        None where it shows nothing.
         """
         weights = weights_of(first, self.days)
         if not names or not np.ptp(weights) > 0:
@@ -134,17 +147,14 @@ class DailyDeviation:
         # of days or weeks, which are less than a draw of months
         if not first.sensor_fault:
             error = by_accident(weights > 0.0, residual)
-        expected = {
-            name: self.expected(
-                choice.members[name].effect,
-                float(choice.scores[name].estimate[0]),
-                weights,
-                coefficients,
-            )
-            for name in names
-        }
+        expected, slack = {}, {}
+        for name in names:
+            effect, score = choice.members[name].effect, choice.scores[name]
+            estimate = float(score.estimate[0])
+            expected[name] = self.expected(effect, estimate, weights, coefficients)
+            slack[name] = float(np.hypot(SLACK, 1.0 / max(score.z_score, LEAST_Z)))
         aged = FADES if self.comparison.ages and is_drift(first) else 0.0
-        return size, error, expected, aged
+        return Shown(size, error, expected, slack, aged)
 
     def expected(
         self,

@@ -104,7 +104,10 @@ def season_or_drift(other, taken=(), light=lambda effect, size: np.zeros(365)):
         members[other.name],
         SimpleNamespace(),
         members,
-        {name: SimpleNamespace(estimate=np.array([0.12])) for name in members},
+        {
+            name: SimpleNamespace(estimate=np.array([0.12]), z_score=10.0)
+            for name in members
+        },
         {other.name: 0.9, drift.name: 0.1},
         taken=frozenset(taken),
     )
