@@ -165,7 +165,9 @@ class Screener:
         numbers = np.arange(len(sample.index)) * self.look.every
         for name in POSSIBLE:
             spikes = self.look.columns[name].rows_of("spike")[0]
-            rows = rows_outside(sample[name], *of_any_unit(name))
+            values = sample[name]
+            ends = range_ends(name, values, sample.index, self.limits)
+            rows = rows_outside(values, *of_any_unit(name)) | np.isin(values, ends)
             if (rows := rows | np.isin(numbers, spikes)).any():
                 lost[name] = rows
         return sample.having(sample.columns.put(np.nan, lost)) if lost else sample

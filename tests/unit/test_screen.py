@@ -491,6 +491,18 @@ def test_light_at_the_end_of_its_range_is_left_out_with_what_is_remembered(recor
     assert before.counts.empty
 
 
+@pytest.mark.parametrize("name", ["temp_module", "temp_air"])
+def test_a_logger_that_writes_zero_by_night_is_in_no_other_unit(record, name):
+    """The other temperature is far from that zero, and in °C all the same."""
+    data = record.copy()
+    data[["temp_air", "temp_module"]] += 5.0
+    dark = data["poa_global"] <= 0.0
+    assert data.loc[dark, name].median() > 12.0
+    data.loc[dark, name] = 0.0
+    found = fem.screen_record(data)
+    assert any(f"{name} stays at 0, the end" in note for note in found.notes)
+
+
 @pytest.mark.parametrize(
     ("column", "low", "high"),
     [
