@@ -160,7 +160,7 @@ class Screener:
         return self.look.sampled(self.clean)
 
     def judged(self) -> Inputs:
-        """Rows without values that no unit explains; they identify the units."""
+        """Rows that identify units: without what no unit explains, and range ends."""
         sample, lost = self.sampled(), {}
         numbers = np.arange(len(sample.index)) * self.look.every
         for name in POSSIBLE:
