@@ -127,13 +127,6 @@ def all_candidates(
     for name, columns in design.own.items():
         odds = np.log(prior * RARE.get(name, 1.0))
         yield Candidate(design.effects[name], columns, float(odds))
-    yield from dated_candidates(design, given, side, prior)
-
-
-def dated_candidates(
-    design: Design, given: Sequence[Column], side: int, prior: float
-) -> Iterator[Candidate]:
-    """Changes at the dates that the remaining error given some columns shows best."""
     days = len(design.dates)
     if days <= 2 * side:
         return

@@ -10,7 +10,7 @@ import numpy as np
 from pvlib_fem._findings import Correction
 from pvlib_fem._fitting.stand_ins import StandIn
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._record.column_names import GEOMETRY
+from pvlib_fem._record.column_names import GEOMETRY, is_power
 from pvlib_fem._record.filters import counted
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._record.resampling import coarse, covered_rows
@@ -66,6 +66,11 @@ class Case:
     another_plane: Plane | None = None  # that of the light, if not the stated one
     #: times in which the module's temperature sensor is off
     detachments: tuple[Detachment, ...] = ()
+
+    @property
+    def powers(self) -> list[str]:
+        """Columns of power that instruments are compared with."""
+        return [*filter(is_power, self.cross_check_columns)]
 
     @cached_property
     def fitting(self) -> np.ndarray:

@@ -19,7 +19,6 @@ import numpy as np
 
 from pvlib_fem._loop.comparisons import GAMMA, bright
 from pvlib_fem._loop.divided_record import Case
-from pvlib_fem._record.column_names import is_power
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem.drivers import derive_drivers
 from pvlib_fem.drivers._plant_irradiance import light_shown
@@ -127,8 +126,7 @@ def standstill_by_power(case: Case, effect: Effect) -> Effect | None:
     """
     record = case.record
     light = bright(record)
-    powers = [*filter(is_power, case.cross_check_columns)]
-    if not powers:
+    if not case.powers:
         return None
     try:
         inputs = derive_drivers(record.inputs, ["day"])
@@ -140,7 +138,7 @@ def standstill_by_power(case: Case, effect: Effect) -> Effect | None:
     light &= replace(record, inputs=inputs).complete_rows(wide.drivers)
     poa, day = inputs["poa_global"], inputs["day"]
     module = inputs["temp_air"] + WARMS * poa
-    for name in powers:
+    for name in case.powers:
         try:
             relation = fit_power_arrays(poa, module, inputs[name], day)
         except ValueError:  # there is hardly any power
@@ -165,7 +163,7 @@ def without_power(case: Case) -> np.ndarray:
     record = case.record
     light = bright(record)
     shown = np.zeros_like(light)
-    for name in filter(is_power, case.cross_check_columns):
+    for name in case.powers:
         shown |= np.isfinite(record[name])
     return np.setdiff1d(record.dates[light], record.dates[light & shown])
 
@@ -192,11 +190,9 @@ def by_power(case: Case, effect: Effect, size: float) -> Effect:
     after = min(end + REACH, int(case.record.dates[-1]) + 1)
     wide = settings | {"start": date_text(before), "end": date_text(after)}
     gains = daily_gains(case, effect.make(**wide), size, (before, after))
-    first, last = start, end
-    if (days_before := range(start - 1, before - 1, -1)) and gains:
-        first = start - likeliest_length([gains.get(day, 0.0) for day in days_before])
-    if (days_after := range(end, after)) and gains:
-        last = end + likeliest_length([gains.get(day, 0.0) for day in days_after])
+    days_before, days_after = range(start - 1, before - 1, -1), range(end, after)
+    first = start - likeliest_length([gains.get(day, 0.0) for day in days_before])
+    last = end + likeliest_length([gains.get(day, 0.0) for day in days_after])
     if (first, last) == (start, end):
         return effect
     return effect.make(**settings | {"start": date_text(first), "end": date_text(last)})
@@ -204,8 +200,8 @@ def by_power(case: Case, effect: Effect, size: float) -> Effect:
 
 def likeliest_length(gains: list[float]) -> int:
     """The number of days from an edge on that are most likely, if that is sure."""
-    sums = np.cumsum(gains)
-    return int(np.argmax(sums)) + 1 if sums.max() > SURE else 0
+    sums = np.cumsum([0.0, *gains])
+    return int(np.argmax(sums)) if sums.max() > SURE else 0
 
 
 def daily_gains(
@@ -223,7 +219,7 @@ def daily_gains(
     heat = np.nan_to_num(effect.at(columns, dict.fromkeys(effect.rows(), size)).heat)
     poa = record["poa_global"]
     warm = 1.0 + GAMMA * (record["temp_air"] + WARMS * poa - 25.0)
-    for name in filter(is_power, case.cross_check_columns):
+    for name in case.powers:
         kept = bright(record) & np.isfinite(record[name] + warm)
         every, place = np.unique(record.dates[kept], return_inverse=True)
         power, light, more = (

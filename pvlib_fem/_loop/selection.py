@@ -537,7 +537,7 @@ class Selection:
         random = np.random.default_rng(0)
         weeks = len(design.clusters)
         draws = random.multinomial(weeks, np.full(weeks, 1.0 / weeks), DRAWS)
-        draws = np.vstack([np.ones(weeks), draws]).astype(float)
+        draws = draws.astype(float)
         parts = [drawn_part(design, one, given, draws) for one in members.values()]
         parts = np.maximum(np.array(parts), 0.0)
         most = np.maximum(parts[[*members].index(top.name)], 1e-12)
@@ -569,7 +569,7 @@ class Selection:
         faults = Counter(places[same[0]] for same in groups.values())
         logs -= np.log([[faults[place]] for place in places])
         shares = np.exp(logs - logs.max(axis=0))
-        shares = (shares / shares.sum(axis=0))[:, 1:].mean(axis=1)
+        shares = (shares / shares.sum(axis=0)).mean(axis=1)
         return dict(zip(members, shares.tolist()))
 
 

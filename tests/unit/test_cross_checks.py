@@ -91,8 +91,14 @@ def test_a_second_sensor_names_the_light_on_the_modules(half_a_year):  # noqa: F
     assert loop.corrected(data).data["poa_global"].equals(data["poa_global"])
 
 
-def season_or_drift(other, taken=(), light=lambda effect, size: np.zeros(365)):
-    """What power says of a sensor that fades, and of an effect without a date."""
+def season_or_drift(
+    other, taken=(), light=lambda effect, size: np.zeros(365), size=0.12, z_score=10.0
+):
+    """
+    What power says of a sensor that fades, and of an effect without a date.
+
+    By power it fades by 0.12 a year, and by the fit by a size with its error.
+    """
     days = np.arange(19000, 19365)
     noise = np.random.default_rng(3).normal(0.0, 0.02, len(days))
     apart = np.log1p(0.12 * (days - days[0]) / 365.25) + noise
@@ -105,7 +111,7 @@ def season_or_drift(other, taken=(), light=lambda effect, size: np.zeros(365)):
         SimpleNamespace(),
         members,
         {
-            name: SimpleNamespace(estimate=np.array([0.12]), z_score=10.0)
+            name: SimpleNamespace(estimate=np.array([size]), z_score=z_score)
             for name in members
         },
         {other.name: 0.9, drift.name: 0.1},
@@ -119,6 +125,14 @@ def test_power_decides_between_a_season_and_a_sensor_that_fades():
     """Whichever explains more of the temperature, unless the sensor is explained."""
     assert season_or_drift("season") > 2.5
     assert season_or_drift("season", ["irradiance_sensor_drift"]) == 0.0
+
+
+def test_power_decides_also_for_a_size_that_the_fit_hardly_knows():
+    """Power shows half as much again, which is no error of a size that is uncertain."""
+    sure, unsure = (
+        season_or_drift("season", size=0.06, z_score=z) for z in (50.0, 2.5)
+    )
+    assert sure < 1.0 and unsure > sure + 1.0
 
 
 def test_soiling_shows_where_its_light_does():

@@ -2,6 +2,7 @@
 
 import json
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -12,8 +13,11 @@ import pvlib_fem as fem
 from pvlib_fem._budget.covers_and_outages import Hours, event_spans, rows_of_events
 from pvlib_fem._budget.stretch_noise import DayNoise, Noise
 from pvlib_fem._findings import Verdict
-from pvlib_fem._loop.power_events import EVENTS
+from pvlib_fem._loop.power_events import EVENTS, true_over_read
+from pvlib_fem._record.inputs import as_record
 from pvlib_fem._report.event_text import all_of
+from pvlib_fem.drivers import derive_drivers
+from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.simulator import PHYSICS
 
 SEED = 4
@@ -299,6 +303,23 @@ def test_a_sensor_that_reads_less_does_not_change_what_outages_are_worth(clean):
     events = loop.events[loop.events["start"] >= "2023-08-01"]
     assert set(events["effect"]) == {"outage"}
     assert events["energy"].sum() == pytest.approx(lost, rel=0.05)
+
+
+def test_power_is_expected_of_the_light_that_a_soiled_sensor_does_not_read(clean):
+    """With a fault of the sensor from a day on, too."""
+    inputs = as_record(**dict(clean.items())).inputs
+    at = str(clean.index[4800])[:10]
+    effects = EFFECTS["soiling"], find({"name": "irradiance_sensor_step", "at": at})
+    rows = (name for effect in effects for name in effect.rows())
+    step = SimpleNamespace(coefficients=dict.fromkeys(rows, 0.005))
+    ratio = true_over_read(step, SimpleNamespace(effects=effects), inputs)
+    (name,) = (one for one in EFFECTS["soiling"].drivers if one != "poa_global")
+    days = derive_drivers(inputs, [name])[name]
+    changed = np.where(clean.index >= at, 1.005, 1.0)
+    lit = clean["poa_global"].to_numpy() > 0.0
+    want = (1.0 + 0.005 * days) * changed
+    np.testing.assert_allclose(ratio[lit], want[lit], rtol=1e-9)
+    assert np.ptp(days[lit]) > 5.0
 
 
 def test_dull_light_of_which_power_is_not_known_shows_no_covered_sensor(clean):

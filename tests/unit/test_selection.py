@@ -14,10 +14,11 @@ from pvlib_fem._loop.change_dates import Scan
 from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.conclude import range_around, range_of
 from pvlib_fem._loop.design import Changed, Design, filled, independent_columns
-from pvlib_fem._loop.dictionary import Candidate, dated_candidates
+from pvlib_fem._loop.dictionary import Candidate, all_candidates
 from pvlib_fem._loop.noise import (
     WithinCells,
     law_misfits,
+    prior_of,
     random_effects,
     remaining_shares,
     with_outside,
@@ -168,7 +169,7 @@ def test_the_date_of_a_change_is_within_its_interval(time_profile, dates):
         changing = [CHANGES[f"module_offset_{time_profile}"]]
         made = design(rest, {"one": random.normal(size=len(days))}, days, hours)
         made = replace(made, changing=tuple(changing))
-        (found,) = dated_candidates(made, [1], 21, 0.025)
+        (found,) = all_candidates(made, [1], 21, 0.025)
         score = Selection(made, CRITERIA).score(found, [1])
         errors = abs(score.estimate[0]) / score.stderr[0]
         scan = Scan.from_design(made, [1], 21)
@@ -970,9 +971,9 @@ def test_candidates_explain_together_what_each_explains_alone(seed):
     rest = random.normal(size=len(days)) + 0.5 * (days >= 60)
     made = design(rest, columns, days, hours, [*CHANGES.values()][:6])
     selection = Selection(made, CRITERIA)
-    change = next(dated_candidates(made, [1], 21, 0.1)).columns[0]
+    change = next(all_candidates(made, [1], 21, 0.1)).columns[0]
     for given_columns in ([1], [1, 2], [1, change]):
-        some = [*dated_candidates(made, given_columns, 21, 0.1)]
+        some = [*all_candidates(made, given_columns, 21, 0.1)]
         falls = selection.in_sample(some, given_columns)
         for one, fall in zip(some, falls):
             if not one.beyond(given_columns):
@@ -990,3 +991,13 @@ def fitted(columns, values):
     """Least squares of values by columns."""
     table = np.column_stack(columns)
     return table @ np.linalg.lstsq(table, values, rcond=None)[0]
+
+
+@pytest.mark.parametrize(
+    "name", ["time_constant_step", "time_constant_episode", "season", "wind_direction"]
+)
+def test_what_an_unknown_cause_can_imitate_is_never_identified(name):
+    """The cause outside keeps its prior probability beside it."""
+    outside, alike = prior_of(EFFECTS[name], 0.07)
+    assert (outside, alike) == (0.07, 1.0)
+    assert prior_of(EFFECTS["irradiance_sensor_step"], 0.07)[1] < 1.0
