@@ -486,14 +486,19 @@ class Selection:
         # a change that is in the model may be the cause of other days, too
         taken = self.taken(others)
         rivals = [one for one in self.candidates(given) if one.beyond(given)]
-        for one, fall in zip(rivals, self.in_sample(rivals, given)):
-            if one.name in searched or fall < OVERLAP * choice.fall:
-                continue
-            if self.alike(top, one, given) < OVERLAP:
-                continue
-            score = self.score(one, given)
-            if score.possible and score.probability >= DOUBT:
-                searched[one.name] = one
+        falls = zip(rivals, self.in_sample(rivals, given))
+        rivals = [one for one, fall in falls if fall >= OVERLAP * choice.fall]
+        for one in rivals:
+            if self.alike(top, one, given) >= OVERLAP:
+                score = self.score(one, given)
+                if score.possible and score.probability >= DOUBT:
+                    searched.setdefault(one.name, one)
+        # a fault may have another time profile than the one that looks like the best
+        # candidate, and references compare them
+        faults = {one.effect.sensor_fault for one in searched.values()} - {""}
+        for one in rivals:
+            if one.effect.sensor_fault in faults and self.score(one, given).possible:
+                searched.setdefault(one.name, one)
         members = {one.name: one for one in self.with_same_law(searched.values())}
         parts = {name: self.score(one, given) for name, one in members.items()}
         sure = choice.score.z_score
