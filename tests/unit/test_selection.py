@@ -23,7 +23,7 @@ from pvlib_fem._loop.noise import (
     remaining_shares,
     with_outside,
 )
-from pvlib_fem._loop.selection import Choice, Selection
+from pvlib_fem._loop.selection import OVERLAP, Choice, Selection
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,
@@ -1001,3 +1001,23 @@ def test_what_an_unknown_cause_can_imitate_is_never_identified(name):
     outside, alike = prior_of(EFFECTS[name], 0.07)
     assert (outside, alike) == (0.07, 1.0)
     assert prior_of(EFFECTS["irradiance_sensor_step"], 0.07)[1] < 1.0
+
+
+def test_a_fault_is_weighed_with_all_its_time_profiles():
+    """A sensor that steps looks less like the best candidate than one that fades."""
+    (row,) = EFFECTS["rear_irradiance"].rows()
+    random, (days, hours) = np.random.default_rng(0), clock(300)
+    ramp, step = np.clip((days - 100) / 200.0, 0.0, None), days >= 200
+    wave = np.sin(np.pi * (hours + 0.5) / 6.0)
+    wave *= np.sqrt(2.0 * ramp.var() * (1.0 / 0.36 - 1.0))
+    rest = 0.6 * step + 0.6 * wave + 0.3 * noise(random, len(days))
+    changing = [CHANGES["module_offset_step"], CHANGES["module_offset_drift"]]
+    columns = {"one": np.ones(len(days)), row: ramp + wave}
+    made = design(rest, columns, days, hours, changing, own=["rear_irradiance"])
+    selection, base = Selection(made, CRITERIA), [*made.base]
+    top, *others = selection.candidates(base)
+    assert top.name == "rear_irradiance"
+    alike = {one.name: selection.alike(top, one, base) for one in others[:2]}
+    assert alike["module_offset_step"] < OVERLAP < alike["module_offset_drift"]
+    weights = selection.weighed(Choice(top, selection.score(top, base)), []).weights
+    assert weights["module_offset_step"] > 10.0 * weights["module_offset_drift"] > 0.0
