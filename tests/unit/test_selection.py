@@ -651,7 +651,8 @@ def test_an_effect_acts_where_its_driver_is_missing():
     rest = 2.0 * whole + 0.5 * noise(random, len(days))
     known = np.where(days % 50 < 20, 0.0, np.where(hours % 2, 1.0, 0.5))
     usual = np.array([np.ones(len(days)), sun])
-    half = filled(whole * known, known, usual, np.ones(len(days)))
+    there = np.where(known > 0.0, whole, np.nan)
+    half = filled(there, known, usual, np.ones(len(days)))
     found = {}
     for name, own in {"whole": whole, "half": half, "zero": whole * known}.items():
         columns = {"one": usual[0], "sun": sun, "rain.film": own}
