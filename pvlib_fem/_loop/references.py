@@ -134,7 +134,7 @@ class DailyDeviation:
         first: Effect,
         names: Sequence[str],
         coefficients: Mapping[str, float],
-    ) -> "Shown | None":
+    ) -> Shown | None:
         """
         Its deviation along the profile of an effect, and what members would make it.
 
@@ -144,7 +144,7 @@ class DailyDeviation:
         if not names or not np.ptp(weights) > 0:
             return None
         size, error, residual = self.along(weights)
-        # of days or weeks, which are less than a draw of months
+        # one that acts on some days is compared with as many others, not with weeks
         if not first.sensor_fault:
             error = by_accident(weights > 0.0, residual)
         expected, slack = {}, {}

@@ -998,7 +998,7 @@ def fitted(columns, values):
     "name", ["time_constant_step", "time_constant_episode", "season", "wind_direction"]
 )
 def test_what_an_unknown_cause_can_imitate_is_never_identified(name):
-    """The cause outside keeps its prior probability beside it."""
+    """The cause outside keeps its prior probability as a rival."""
     outside, alike = prior_of(EFFECTS[name], 0.07)
     assert (outside, alike) == (0.07, 1.0)
     assert prior_of(EFFECTS["irradiance_sensor_step"], 0.07)[1] < 1.0
