@@ -103,8 +103,8 @@ def ranked(
     falls = selection.in_sample(others, given)
     for place, (one, remainder) in enumerate(there):
         score = selection.score(one, given)
-        there_is = rows.get(one.name)  # of a part of the record, or of all of it
-        if there_is is not None and there_is.score.fall >= score.fall:
+        before = rows.get(one.name)  # a trend of another part of the record
+        if before is not None and before.score.fall >= score.fall:
             continue
         size = len(score.estimate)
         null = score.null + np.diag(np.diag(score.null)) * 1e-9

@@ -17,7 +17,7 @@ from pvlib_fem._loop.comparisons import (
     Comparison,
 )
 from pvlib_fem._record.inputs import Record
-from pvlib_fem._statistics.clusters import WEEK, week_numbers
+from pvlib_fem._statistics.clusters import WEEK, date_starts, week_numbers
 from pvlib_fem._statistics.weekly_sums import LeastSquares, products
 from pvlib_fem.drivers import derive_drivers
 from pvlib_fem.drivers._mounts import angles_at
@@ -79,8 +79,7 @@ class DailyDeviation:
         """
         values = self.apart if values is None else values
         table = np.column_stack([values, *self.usual, *others, weights])
-        starts = np.flatnonzero(np.diff(week_numbers(self.days), prepend=-1))
-        edges = np.append(starts, len(table))
+        edges = np.append(0, date_starts(week_numbers(self.days))[1])
         fit = LeastSquares(products(table, np.ones(len(table)), edges), 1)
         residual = table @ np.append(1.0, -fit.solved)
         variance = float(np.squeeze(fit.by_all_weeks()[0]))

@@ -44,13 +44,11 @@ class ClusterSums:
     @cached_property
     def by_week(self) -> np.ndarray:
         """Sums per week, with its weather; per day where weeks are few."""
-        number = week_numbers(self.dates)
-        first = np.flatnonzero(np.diff(number, prepend=-1))
+        first, ends = date_starts(week_numbers(self.dates))
         if len(first) == self.days:
             return self.sums
         # three times as fast as np.add.reduceat
-        ends, days = np.append(first, self.days), np.arange(self.days)
-        weeks = csr_array((np.ones(self.days), days, ends))
+        weeks = csr_array((np.ones(self.days), np.arange(self.days), [0, *ends]))
         sums = weeks @ self.sums.reshape(self.days, -1)
         return sums.reshape(-1, *self.sums.shape[1:])
 
