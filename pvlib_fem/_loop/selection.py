@@ -1,6 +1,5 @@
-"""Selection of candidates by the remaining error, with their probabilities."""
+"""Selection of candidates by the remaining error: which single effects there are."""
 
-from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -10,7 +9,7 @@ import numpy as np
 from pvlib_fem._loop.change_dates import Scan
 from pvlib_fem._loop.change_sums import PROFILE_ERROR, UNSEEN, dates_cost
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.design import Column, Design, place_of
+from pvlib_fem._loop.design import Column, Design
 from pvlib_fem._loop.dictionary import (
     Candidate,
     all_candidates,
@@ -18,12 +17,12 @@ from pvlib_fem._loop.dictionary import (
     within_bounds,
 )
 from pvlib_fem._loop.noise import random_effects
+from pvlib_fem._loop.posterior import posterior
 from pvlib_fem._statistics.extremes import ALIKE, largest_first
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,
     explainable_share,
-    fall_of_squares,
     given_first,
     held_out,
     with_ridge,
@@ -35,7 +34,6 @@ OVERLAP = 0.3  # share of the best one's part, from which another is its rival
 DOUBT = 0.5  # probability below which another is no rival
 SWEEPS = 4  # times that every choice is made anew given the others
 MOST = 10  # effects in one model
-DRAWS = 40  # of weeks, with replacement
 
 
 @dataclass(frozen=True)
@@ -501,8 +499,8 @@ class Selection:
                 searched.setdefault(one.name, one)
         members = {one.name: one for one in self.with_same_law(searched.values())}
         parts = {name: self.score(one, given) for name, one in members.items()}
-        sure = choice.score.z_score
-        weights = self.posterior(members, given, top, min(sure, 1.0 / PROFILE_ERROR))
+        sure = min(choice.score.z_score, 1.0 / PROFILE_ERROR)
+        weights = posterior(self.design, self.criteria, members, given, top, sure)
         choice = replace(
             choice, members=members, scores=parts, weights=weights, taken=taken
         )
@@ -520,62 +518,6 @@ class Selection:
             one.name: scan.sizes_over_dates(one.change, choice.scores[one.name].z_score)
             for one in faults
         }
-
-    def posterior(
-        self,
-        members: dict[str, Candidate],
-        given: Sequence[Column],
-        top: Candidate,
-        sure: float,
-    ) -> dict[str, float]:
-        """
-        Posterior among members of one single effect, averaged over draws of weeks.
-
-        Each explains some of what the best one explains, which is ``sure`` by so many
-        standard errors. The difference is compared with the error of the laws: an exact
-        likelihood of so many rows would be sure of a law that is not exact (Huggins and
-        Miller, 2023).
-        """
-        design = self.design.fit_for(one.effect for one in members.values())
-        if len(members) == 1:
-            return {top.name: 1.0}
-        random = np.random.default_rng(0)
-        weeks = len(design.clusters)
-        draws = random.multinomial(weeks, np.full(weeks, 1.0 / weeks), DRAWS)
-        draws = draws.astype(float)
-        parts = [drawn_part(design, one, given, draws) for one in members.values()]
-        parts = np.maximum(np.array(parts), 0.0)
-        most = np.maximum(parts[[*members].index(top.name)], 1e-12)
-        shared = np.minimum(parts, most)
-        mine = top.beyond(given)
-        for i, one in enumerate(members.values()):
-            rival = one.beyond(given)
-            wholes = sums_of_draws(design.by_week([*given, *mine, *rival]), draws)
-            share = explainable_share(wholes, len(mine), len(rival))
-            shared[i] = np.minimum(shared[i], share * most)
-        shapes = any(one.effect.confounder for one in members.values())
-        law = (self.criteria.shape_error if shapes else self.criteria.law_error) ** 2
-        # time profiles of one fault differ by no error of its law
-        groups: dict[str, list[int]] = {}
-        logs = np.empty_like(parts)
-        for i, one in enumerate(members.values()):
-            groups.setdefault(one.effect.sensor_fault or one.name, []).append(i)
-        costs = np.array([[dates_cost(one.dates, sure)] for one in members.values()])
-        for same in groups.values():
-            within = 0.5 * sure**2 * parts[same] / most
-            within -= costs[same]
-            within -= within.max(axis=0)
-            within -= np.log(np.exp(within).sum(axis=0))
-            best = shared[same].max(axis=0)
-            logs[same] = within - 0.5 * (most - best) / (law * most)
-        logs += np.array([[one.log_prior] for one in members.values()])
-        # faults of one law share its prior
-        places = [place_of(one.columns[0]) for one in members.values()]
-        faults = Counter(places[same[0]] for same in groups.values())
-        logs -= np.log([[faults[place]] for place in places])
-        shares = np.exp(logs - logs.max(axis=0))
-        shares = (shares / shares.sum(axis=0)).mean(axis=1)
-        return dict(zip(members, shares.tolist()))
 
 
 def worth(one: Candidate, score: Score) -> float:
@@ -598,27 +540,3 @@ def worth_share(one: Candidate, sure: float) -> float:
 def dates_of(choices: Iterable[Choice]) -> int:
     """Number of dates of some choices that were searched for."""
     return sum(one.top.dates for one in choices)
-
-
-def drawn_part(
-    design: Design, one: Candidate, given: Sequence[Column], draws: np.ndarray
-) -> np.ndarray:
-    """
-    Fall of the mean square by a candidate in draws of weeks, less noise.
-
-    ``draws`` says how often each week is drawn, shape (draws, weeks).
-    """
-    own = one.beyond(given)
-    weekly = design.by_week([*given, *own])
-    fit = LeastSquares(weekly, len(own))
-    # Takeuchi: what as many columns take of noise that is alike within weeks
-    own_part = given_first(fit.whole, len(given))[1:, 1:]
-    noise = np.trace(own_part @ fit.covariance)
-    return (
-        fall_of_squares(sums_of_draws(weekly, draws), len(own)) - noise
-    ) / design.count
-
-
-def sums_of_draws(weekly: np.ndarray, draws: np.ndarray) -> np.ndarray:
-    """Sums of products over each draw of weeks."""
-    return np.einsum("dw,wij->dij", draws, weekly)

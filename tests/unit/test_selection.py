@@ -23,6 +23,7 @@ from pvlib_fem._loop.noise import (
     remaining_shares,
     with_outside,
 )
+from pvlib_fem._loop.posterior import posterior
 from pvlib_fem._loop.selection import OVERLAP, Choice, Selection
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
@@ -230,7 +231,8 @@ def test_what_nothing_tells_apart_has_equal_shares():
             for one in selection.candidates([*made.base])
             if one.name in made.own
         }
-        shares = selection.posterior(members, [*made.base], members["rain"], 10.0)
+        base, rain = [*made.base], members["rain"]
+        shares = posterior(made, CRITERIA, members, base, rain, 10.0)
         assert sum(shares.values()) == pytest.approx(1.0)
         assert low <= shares["air_elsewhere"] <= high
 
