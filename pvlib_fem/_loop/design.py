@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from pvlib_fem._record.column_names import ANGLES, COLUMNS, GEOMETRY, is_power
+from pvlib_fem._loop.hourly_means import Hours
+from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, is_power
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.axes import Axis, axes, calendar_of
 from pvlib_fem._statistics.clusters import FEWEST_CLUSTERS, FOLDS, calendar_weeks
@@ -37,45 +38,6 @@ if TYPE_CHECKING:
 
 ALIKE = 1e-6  # share of a column's square below which it is a sum of others
 APART = 7  # days by which an effect is shifted at least to see what chance does
-
-
-@dataclass(frozen=True, eq=False)
-class Hours:
-    """Cells of an hour."""
-
-    first: np.ndarray  # of the rows of each cell
-    count: np.ndarray  # of these rows
-
-    @classmethod
-    def from_record(cls, record: Record, rows: np.ndarray) -> Self:
-        """Cells of some rows of a record."""
-        key = record.dates[rows] * 24 + np.asarray(record.index[rows].hour)
-        first = np.flatnonzero(np.diff(key, prepend=key[:1] - 1))
-        return cls(first, np.diff(first, append=len(key)).astype(float))
-
-    def means(self, column: np.ndarray) -> np.ndarray:
-        """Mean of the known values of a column in each cell; NaN where none is."""
-        sums, count = np.add.reduceat(column, self.first), self.count
-        if np.isnan(sums).any():
-            known = ~np.isnan(column)
-            sums = np.add.reduceat(np.where(known, column, 0.0), self.first)
-            count = np.add.reduceat(known, self.first, dtype=float)
-            sums[count == 0.0] = np.nan
-        return sums / np.maximum(count, 1.0)
-
-    def means_of_drivers(
-        self, columns: Mapping[str, np.ndarray]
-    ) -> dict[str, np.ndarray]:
-        """Mean of each driver in each cell, of directions as that of vectors."""
-        means = {}
-        for name, column in columns.items():
-            if name in ANGLES:
-                turned = np.radians(column)
-                east, north = self.means(np.sin(turned)), self.means(np.cos(turned))
-                means[name] = np.degrees(np.arctan2(east, north)) % 360.0
-            else:
-                means[name] = self.means(column)
-        return means
 
 
 @dataclass(frozen=True)

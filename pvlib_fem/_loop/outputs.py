@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from pvlib_fem._loop.design import Hours
+from pvlib_fem._loop.hourly_means import Hours
 from pvlib_fem._loop.leaks import SURE, splines
 from pvlib_fem._record.column_names import DAYLIGHT, is_power
 from pvlib_fem._record.inputs import Record

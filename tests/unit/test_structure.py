@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
-from pvlib_fem._loop.design import Hours
+from pvlib_fem._loop.hourly_means import Hours
 from pvlib_fem._loop.repeated_patterns import axes_and_pairs
 from pvlib_fem._statistics.axes import axes, sorted_by
 from pvlib_fem._statistics.clusters import calendar_weeks
