@@ -20,9 +20,10 @@ from pvlib_fem._loop.correct_clock import module_clock
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.cross_checks import cross_checks, log_likelihoods
-from pvlib_fem._loop.design import Changed, Design
+from pvlib_fem._loop.design import Changed
 from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.edge_weeks import by_power, edge_weeks
+from pvlib_fem._loop.hourly_tangents import design_of_evidence
 from pvlib_fem._loop.leaks import leaks
 from pvlib_fem._loop.loop_files import Reading
 from pvlib_fem._loop.loop_result import Loop
@@ -448,7 +449,7 @@ class Search:
         evidence = self.fits.gathered(step, wanted)
         lifted = [e for e in step.model.effects if e.name not in self.usual]
         record = self.fits.ready["coarse"][1]
-        design = Design.from_evidence(
+        design = design_of_evidence(
             evidence, record, case.drivers, lifted, step.coefficients
         )
         closed = self.closed

@@ -9,7 +9,7 @@ from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem._fitting.fem_fit import FemFit
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.design import Design
+from pvlib_fem._loop.hourly_tangents import design_of_evidence
 from pvlib_fem._loop.planes import plane_of_columns, with_given
 from pvlib_fem._loop.ranking import ranked
 from pvlib_fem._loop.ranking_table import Ranking, table_of
@@ -161,7 +161,7 @@ def rank_effects(
         evidence = gather_evidence(
             model, coefficients, record, seen, testable, bounds, least
         )
-        design = Design.from_evidence(evidence, record, drivers, (), coefficients)
+        design = design_of_evidence(evidence, record, drivers, (), coefficients)
         selection = Selection(design, criteria)
         weighed, failed = ranked(selection, evidence, [*design.base], days)
         rows |= {name: {"note": str(why)} for name, why in failed.items()}

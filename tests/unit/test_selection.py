@@ -13,8 +13,9 @@ from pvlib_fem._findings import OUTSIDE
 from pvlib_fem._loop.change_dates import Scan
 from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.conclude import range_around, range_of
-from pvlib_fem._loop.design import Changed, Design, filled, independent_columns
+from pvlib_fem._loop.design import Changed, Design
 from pvlib_fem._loop.dictionary import Candidate, all_candidates
+from pvlib_fem._loop.hourly_tangents import filled, independent_columns
 from pvlib_fem._loop.noise import (
     WithinCells,
     law_misfits,
