@@ -164,12 +164,16 @@ def range_of(
 
     It has the errors of the fit and of the law, and the difference from generalised
     least squares: of a model that is right, two estimates agree (Hausman, 1978,
-    :doi:`10.2307/1913827`). The size of a trend is also averaged over its dates.
+    :doi:`10.2307/1913827`). That of a change also has the difference and the error of
+    its size beside all confounders, and of a trend those over its dates.
     """
     effect, score = choice.members[name].effect, choice.scores[name]
     law = relative_error(effect, criteria)
     other = dict(zip(score.keys, score.seen.tolist()))[key]
-    halves = NINETY * error, NINETY * law * value, other - value
+    halves = [NINETY * error, NINETY * law * value, other - value]
+    if name in choice.confounded:
+        shift, beside = choice.confounded[name]
+        halves += [shift, NINETY * beside]
     ends = [value * one for one in choice.spreads.get(name, ())]
     return range_around(value, halves, effect.rows()[key], ends)
 

@@ -33,7 +33,6 @@ FADES = 0.005  # of power by a module that ages; up to twice as much, or none [1
 MONTH = 4 * WEEK  # days that are one draw of the weather
 YEAR = 365.25  # days, over which weather forgets what it was
 NEIGHBOURS = 4  # compared days before and after one that may be as it is
-LEAST_Z = 1e-3  # standard errors of a size that is next to nothing
 OUTLIER = 4.0  # interquartile ranges from the median: snow, a fault, clipped power
 
 
@@ -151,7 +150,7 @@ class DailyDeviation:
             effect, score = choice.members[name].effect, choice.scores[name]
             estimate = float(score.estimate[0])
             expected[name] = self.expected(effect, estimate, weights, coefficients)
-            slack[name] = float(np.hypot(SLACK, 1.0 / max(score.z_score, LEAST_Z)))
+            slack[name] = float(np.hypot(SLACK, choice.relative_error(name)))
         aged = FADES if self.comparison.ages and is_drift(first) else 0.0
         return Shown(size, error, expected, slack, aged)
 

@@ -31,6 +31,7 @@ from pvlib_fem.effects._effect import Effect
 
 BETTER = 1.02  # times as much as another explains a candidate has to, to replace it
 OVERLAP = 0.3  # share of the best one's part, from which another is its rival
+LEAST_Z = 1e-3  # standard errors of a size that is next to nothing
 DOUBT = 0.5  # probability below which another is no rival
 SWEEPS = 4  # times that every choice is made anew given the others
 MOST = 10  # effects in one model
@@ -83,6 +84,9 @@ class Choice:
     weights: dict[str, float] = field(default_factory=dict)  # posterior among members
     #: of members that are trends: least and largest size over their dates, relative
     spreads: dict[str, tuple[float, float]] = field(default_factory=dict)
+    #: of members that are changes: by how much all confounders alter the size, and the
+    #: standard error that it has beside them
+    confounded: dict[str, tuple[float, float]] = field(default_factory=dict)
     #: the outside among them, the most probable first
     probabilities: dict[str, float] = field(default_factory=dict)
     taken: frozenset[str] = frozenset()  # names of other choices
@@ -91,6 +95,13 @@ class Choice:
     def fall(self) -> float:
         """Of the mean square on weeks left out in turn, by its best candidate. [K²]"""
         return self.score.fall
+
+    def relative_error(self, name: str) -> float:
+        """Standard error of a member's size, also beside confounders. [-]"""
+        score = self.scores[name]
+        errors = score.stderr[0], *self.confounded.get(name, ())
+        size = max(abs(float(score.estimate[0])), LEAST_Z * float(score.stderr[0]))
+        return float(np.linalg.norm(errors)) / size
 
     @property
     def first(self) -> str:
@@ -504,7 +515,35 @@ class Selection:
         choice = replace(
             choice, members=members, scores=parts, weights=weights, taken=taken
         )
-        return replace(choice, spreads=self.spreads(choice, given))
+        return replace(
+            choice,
+            spreads=self.spreads(choice, given),
+            confounded=self.confounded(choice, given),
+        )
+
+    def confounded(
+        self, choice: Choice, given: Sequence[Column]
+    ) -> dict[str, tuple[float, float]]:
+        """
+        Sizes of the changes of a choice beside all confounders of the catalogue.
+
+        Any module may have these, also where they are not material: heat of the ground
+        and light from it differ before and after a date, as they do with the season.
+        """
+        design = self.design
+        further = [
+            column
+            for name, columns in design.own.items()
+            for column in columns
+            if design.effects[name].confounder and column not in given
+        ]
+        found = {}
+        for name, one in choice.members.items():
+            if one.effect.sensor_fault:
+                beside, alone = self.score(one, [*given, *further]), choice.scores[name]
+                shift = float(beside.estimate[0] - alone.estimate[0])
+                found[name] = shift, float(beside.stderr[0])
+        return found
 
     def spreads(
         self, choice: Choice, given: Sequence[Column]

@@ -111,7 +111,9 @@ def season_or_drift(
         SimpleNamespace(),
         members,
         {
-            name: SimpleNamespace(estimate=np.array([size]), z_score=z_score)
+            name: SimpleNamespace(
+                estimate=np.array([size]), stderr=np.array([abs(size) / z_score])
+            )
             for name in members
         },
         {other.name: 0.9, drift.name: 0.1},

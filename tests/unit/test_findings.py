@@ -156,6 +156,7 @@ def test_a_candidate_has_the_coefficients_that_the_record_determines():
         members={effect.name: SimpleNamespace(effect=effect)},
         scores={effect.name: score},
         spreads={},
+        confounded={},
     )
     member = member_of(choice, effect.name, Criteria())
     assert member.coefficients == {key: -1.0} and member.stderr == {key: 0.1}

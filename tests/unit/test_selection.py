@@ -321,6 +321,32 @@ def test_a_range_is_wider_where_two_estimates_differ():
     assert low < value - 1.0 < value + 1.0 < high
 
 
+def test_a_range_holds_the_size_of_a_change_beside_a_season_that_is_not_found():
+    """A season of half a kelvin is not material, and alters the size of a step."""
+    days, hours = clock(365)
+    angle = 2.0 * np.pi * days / 365.25
+    rows = dict(zip(EFFECTS["season"].rows(), (np.cos(angle), np.sin(angle))))
+    changing = [CHANGES["module_offset_step"]]
+    key, held = "module_offset_step.change", []
+    for seed in range(30):
+        random = np.random.default_rng(seed)
+        season = random.normal(0.0, 0.3, 2) @ [*rows.values()]
+        rest = 1.0 * (days >= random.integers(90, 270)) + noise(random, len(days))
+        columns = {"one": np.ones(len(days))} | rows
+        made = design(rest + season, columns, days, hours, changing, own=["season"])
+        selection, base = Selection(made, CRITERIA), [*made.base]
+        found = selection.candidates(base)
+        (top,) = (c for c in found if c.effect.sensor_fault)
+        one = selection.weighed(Choice(top, selection.score(top, base)), [])
+        score = one.scores[top.name]
+        value, error = score.coefficients[key], score.errors[key]
+        for choice in (one, replace(one, confounded={})):
+            low, high = range_of(key, value, error, choice, top.name, CRITERIA)
+            held.append(low <= 1.0 <= high)
+    beside, alone = np.reshape(held, (-1, 2)).mean(axis=0)
+    assert beside >= 0.9 > 0.7 > alone
+
+
 @pytest.mark.parametrize(
     ("per_year", "change", "at", "again"),
     [
