@@ -165,8 +165,12 @@ def findings(statements: list[Statement], room: int) -> list[str]:
         worth = f" [{', '.join(sizes)}]" if sizes else ""
         words = f"{one.text}{worth}. {one.certainty.rstrip('.')}".rstrip(". ")
         action = f" → {one.action}." if one.action else ""
-        block = wrapped_lines(f"{i + 1:>2}. {words}.{action}", "    ")
-        if len(lines) + len(block) > room:
+        words = f"{i + 1:>2}. {words}."
+        block = wrapped_lines(words + action, "    ")
+        left = room - len(lines)
+        if len(block) > left and not i:  # the first is never left out
+            block = wrapped_lines(words, "    ", left)
+        if len(block) > left:
             rest = len(statements) - i
             more = f"{rest} more {'is' if rest == 1 else 'are'} in loop.statements."
             return [*lines, f"    {more}"]
@@ -174,13 +178,15 @@ def findings(statements: list[Statement], room: int) -> list[str]:
     return lines
 
 
-def wrapped_lines(text: str, indent: str = "") -> list[str]:
-    """Lines of a text, none wider than a window."""
+def wrapped_lines(text: str, indent: str = "", most: int | None = None) -> list[str]:
+    """Lines of a text, none wider than a window; at most so many, if that is given."""
     wrapper = TextWrapper(
         WIDTH,
         subsequent_indent=indent,
         break_long_words=False,
         break_on_hyphens=False,
         drop_whitespace=True,
+        max_lines=most,
+        placeholder=" ...",
     )
     return wrapper.wrap(text)
