@@ -35,10 +35,10 @@ def log_likelihoods(
     """
     Log-likelihoods of the members of a choice, and of a cause outside, by references.
 
-    The deviation of a reference along the time profile of the best dated member is
-    compared with the deviation that each member predicts. A cause that is in no
-    instrument predicts none. An effect by a power predicts any that this power may
-    show, and so does a cause outside that looks like it. Time profiles of one
+    The deviation of a reference along the time profile of the best dated member that it
+    would show is compared with the deviation that each member predicts. A cause that is
+    in no instrument predicts none. An effect by a power predicts any that this power
+    may show, and so does a cause outside that looks like it. Time profiles of one
     instrument are compared by the residual of the reference given each.
 
     Parameters
@@ -53,14 +53,12 @@ def log_likelihoods(
     dict of float
         By name, with :data:`~pvlib_fem._findings.OUTSIDE` among them.
     """
-    first = compared_along(choice)
     logs = dict.fromkeys([*choice.members, OUTSIDE], 0.0)
-    if first is None:
-        return logs
     for one in references:
         names = one.concerned(choice)
-        shown = one.shown(choice, first, names, coefficients)
-        if shown is None:
+        first = compared_along(choice, names)
+        shown = first and one.shown(choice, first, names, coefficients)
+        if not shown:
             continue
         dated = [n for n in names if is_dated(choice.members[n].effect)]
         for name, worse in one.profiles([choice.members[n].effect for n in dated]):
@@ -85,16 +83,19 @@ def log_likelihoods(
     return logs
 
 
-def compared_along(choice: "Choice") -> Effect | None:
+def compared_along(choice: "Choice", names: Sequence[str]) -> Effect | None:
     """
     The best member with a time profile; None if the choice is not compared.
 
-    What is a choice of its own has its deviation there.
+    It is one of those that a reference would show, by name, if any of these has a time
+    profile. What is a choice of its own has its deviation there.
     """
     free = [name for name in choice.weights if name not in choice.taken]
     free.sort(key=lambda name: -choice.weights[name])
     effects = (choice.members[name].effect for name in free)
-    return next(filter(is_dated, (choice.top.effect, *effects)), None)
+    dated = [*filter(is_dated, (choice.top.effect, *effects))]
+    own = [one for one in dated if one.name in names]
+    return next(iter([*own, *dated]), None)
 
 
 def cross_checks(

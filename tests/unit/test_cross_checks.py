@@ -137,6 +137,26 @@ def test_power_decides_also_for_a_size_that_the_fit_hardly_knows():
     assert sure < 1.0 and unsure > sure + 1.0
 
 
+def test_a_second_sensor_is_compared_along_a_fault_that_it_would_show():
+    """Of a sensor that steps, where the temperature looks like less wind for a time."""
+    days = np.arange(19000, 19365)
+    noise = np.random.default_rng(3).normal(0.0, 0.01, len(days))
+    steps = np.log1p(0.1) * (days >= 19200) + noise
+    second = next(one for one in COMPARISONS if "irradiance_sensor" in one.shows)
+    reference = DailyDeviation(second, "poa_global_2", days, steps, None)
+    date, end = (str(np.datetime64(day, "D")) for day in (19200, 19300))
+    wind = CHANGES["anemometer_episode"].make(start=date, end=end)
+    sensor = CHANGES["irradiance_sensor_step"].make(at=date)
+    weights = {wind.name: 0.9, sensor.name: 0.1}
+    size, stderr = np.array([0.08]), np.array([0.02])
+    score = SimpleNamespace(estimate=size, stderr=stderr)
+    members = {one.name: Candidate(one, (1,), 0.0) for one in (wind, sensor)}
+    scores = dict.fromkeys(members, score)
+    choice = Choice(members[wind.name], score, members, scores, weights)
+    logs = log_likelihoods([reference], choice, {})
+    assert logs[sensor.name] - logs[wind.name] > 2.5
+
+
 def test_soiling_shows_where_its_light_does():
     """It speaks as well for dirt that gathers as for a sensor that fades as much."""
     years = np.arange(365) / 365.25
