@@ -70,7 +70,7 @@ class Reason(Enum):
 
     # a finding
     GAINED = "reduces the cross-validated error by {gain:.2f} K"
-    CORROBORATED = "{columns: and } deviate from the sensor along the same time profile"
+    CORROBORATED = "{columns: and } and the sensor differ along the same time profile"
     WOULD_DECIDE = "{measurements:; or } would decide"
     TOO_SHORT = "at least {least} days are needed to identify a cause (here {days})"
     AT_BOUND = "fitted with all others, {coefficient} ends at the bound of its range"

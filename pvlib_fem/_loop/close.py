@@ -35,7 +35,7 @@ from pvlib_fem._loop.progress import stage_reporter
 from pvlib_fem._loop.references import DailyDeviation, daily_deviations
 from pvlib_fem._loop.refits import Fits, Step
 from pvlib_fem._loop.replacements import NOTHING, Replacements
-from pvlib_fem._loop.selection import MOST, Choice, Selection, selected
+from pvlib_fem._loop.selection import MOST, Choice, Selection, selected, shown_changes
 from pvlib_fem._loop.tangents import Evidence
 from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._record.checks import dates_of
@@ -460,7 +460,8 @@ class Search:
             # before another plane an obstacle has no place
             self.untestable |= dict.fromkeys(names, why)
             closed = closed | {*names}
-        selection, choices = selected(design, case.criteria, closed, begin)
+        shown = shown_changes(self.references, case.criteria)
+        selection, choices = selected(design, case.criteria, closed, begin, shown)
         # the design has the hourly means of its columns, which are large
         evidence = replace(evidence, columns={})
         return Round(evidence, selection, tuple(choices), step.coefficients)
@@ -550,14 +551,18 @@ class Search:
         Further single effects that are not in the model, each given all before it.
 
         They are chosen and weighed as those of the model, by lower criteria, so that
-        one cause is one hint, whatever else may be it.
+        one cause is one hint, whatever else may be it. What a second sensor shows is a
+        hint of any gain.
         """
         limits, least = self.case.criteria, this.selection.least
         further = replace(this.selection, criteria=limits.for_hints)
         for finding in (*self.findings, *self.refused):
             further.closed |= {*finding.candidates}
         reported = [one.as_first for one in self.choices.values()]
-        while len(reported) < MOST and (best := further.best(reported)):
+        while len(reported) < MOST:
+            best = further.best_shown(reported) or further.best(reported)
+            if best is None:
+                break
             fall = further.in_sample([best.top], further.given(reported))[0]
             one, effect, finding = self.described(this, best, reported)
             fitted = float(np.sqrt(fall))

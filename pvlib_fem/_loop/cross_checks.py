@@ -8,7 +8,7 @@ import numpy as np
 from pvlib_fem._findings import OUTSIDE, CheckOutcome, CrossCheck
 from pvlib_fem._loop.comparisons import SLACK
 from pvlib_fem._loop.noise import density
-from pvlib_fem._loop.references import DailyDeviation
+from pvlib_fem._loop.references import DailyDeviation, Shown
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import (
     is_dated,
@@ -35,10 +35,10 @@ def log_likelihoods(
     """
     Log-likelihoods of the members of a choice, and of a cause outside, by references.
 
-    The deviation of a reference along the time profile of the best dated member that it
-    would show is compared with the deviation that each member predicts. A cause that is
-    in no instrument predicts none. An effect by a power predicts any that this power
-    may show, and so does a cause outside that looks like it. Time profiles of one
+    Each is compared with a reference that shows nothing along the time profile of the
+    member, or along that of the best member with one. A cause that is in no instrument
+    predicts nothing. An effect by a power predicts any deviation that this power may
+    show, and so does a cause outside that looks like it. Time profiles of one
     instrument are compared by the residual of the reference given each.
 
     Parameters
@@ -54,48 +54,58 @@ def log_likelihoods(
         By name, with :data:`~pvlib_fem._findings.OUTSIDE` among them.
     """
     logs = dict.fromkeys([*choice.members, OUTSIDE], 0.0)
+    first = compared_along(choice)
+    if first is None:
+        return logs
     for one in references:
-        names = one.concerned(choice)
-        first = compared_along(choice, names)
-        shown = first and one.shown(choice, first, names, coefficients)
-        if not shown:
-            continue
-        dated = [n for n in names if is_dated(choice.members[n].effect)]
-        for name, worse in one.profiles([choice.members[n].effect for n in dated]):
+        concerned = one.concerned(choice)
+        effects = {name: choice.members[name].effect for name in concerned}
+        dated = {name: effect for name, effect in effects.items() if is_dated(effect)}
+        for name, worse in one.profiles(dated.values()):
             logs[name] += worse
-        size, error, aged = shown.size, shown.error, shown.aged
-        expected = dict.fromkeys(logs, 0.0) | shown.expected
-        broad = np.hypot(max(abs(value) for value in expected.values()), error)
-        anything = density(size, broad)
-        likelihoods = {
-            name: density(
-                size - value + aged,
-                np.sqrt(error**2 + (shown.slack.get(name, 0.0) * value) ** 2 + aged**2),
-            )
-            for name, value in expected.items()
-        }
-        for name, likely in likelihoods.items():
+        for name in logs:
             # an imitation of an effect by this power shows in it, too
             member = choice.top if name == OUTSIDE else choice.members[name]
-            if member.effect.settings.get("source") == one.column:
-                likely = anything
-            logs[name] += float(np.log((1.0 - ODD) * likely + ODD * anything))
+            any_size = member.effect.settings.get("source") == one.column
+            # what is a choice of its own has its deviation there
+            if any_size or (name in effects and name not in choice.taken):
+                own = dated.get(name, first)
+                names = [name] if name in effects else concerned
+                shown = one.shown(choice, own, names, coefficients)
+                if shown is not None:
+                    logs[name] += log_likelihood(shown, any_size)
     return logs
 
 
-def compared_along(choice: "Choice", names: Sequence[str]) -> Effect | None:
+def log_likelihood(shown: Shown, any_size: bool) -> float:
+    """
+    Log-likelihood of what is shown, compared with a reference that shows nothing.
+
+    It is that of a deviation of the expected size, or of any size.
+    """
+    size = shown.size + shown.aged
+    error = np.hypot(shown.error, shown.aged)
+    most = max(abs(value) for value in shown.expected.values())
+    anything = density(shown.size, np.hypot(most, shown.error))
+    likely = anything
+    if not any_size:
+        ((name, value),) = shown.expected.items()
+        likely = density(size - value, np.hypot(error, shown.slack[name] * value))
+    nothing = density(size, error)
+    likelihoods = ((1.0 - ODD) * np.array([likely, nothing])) + ODD * anything
+    return float(np.subtract(*np.log(likelihoods)))
+
+
+def compared_along(choice: "Choice") -> Effect | None:
     """
     The best member with a time profile; None if the choice is not compared.
 
-    It is one of those that a reference would show, by name, if any of these has a time
-    profile. What is a choice of its own has its deviation there.
+    What is a choice of its own has its deviation there.
     """
     free = [name for name in choice.weights if name not in choice.taken]
     free.sort(key=lambda name: -choice.weights[name])
     effects = (choice.members[name].effect for name in free)
-    dated = [*filter(is_dated, (choice.top.effect, *effects))]
-    own = [one for one in dated if one.name in names]
-    return next(iter([*own, *dated]), None)
+    return next(filter(is_dated, (choice.top.effect, *effects)), None)
 
 
 def cross_checks(

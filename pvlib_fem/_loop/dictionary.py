@@ -13,6 +13,7 @@ from pvlib_fem.effects._effect import Effect, Parameter
 from pvlib_fem.effects._time_profiles import time_profile_of
 
 DATES = "at", "start", "end"  # names of dates in the settings of a change
+PART = *DATES, "resets"  # of a trend that is not of the whole record
 RARE = {"air_elsewhere": 0.05}  # times the odds of others
 SIZES = 4.0  # standard deviations of sizes between the bounds of a coefficient
 SLACK_ERRORS = 2.0  # standard errors by which a tangent may miss a bound
@@ -28,6 +29,7 @@ class Candidate:
     log_prior: float  # logarithm of its prior odds
     #: hypotheses of dates from which this one was taken, as a logarithm
     log_dates: float = 0.0
+    dates_known: bool = False  # whether a second sensor shows its dates
 
     @property
     def name(self) -> str:
@@ -36,7 +38,7 @@ class Candidate:
     @property
     def dates(self) -> int:
         """Number of its dates that were searched for; none without a time profile."""
-        if not self.effect.sensor_fault:
+        if not self.effect.sensor_fault or self.dates_known:
             return 0
         settings = self.effect.settings
         return sum(name in settings for name in DATES) + len(settings.get("resets", ()))
@@ -45,7 +47,7 @@ class Candidate:
     def time_profile(self) -> str:
         """Its time profile, and whether a trend is of a part of the record; or ""."""
         name = time_profile_of(self.effect) if self.effect.sensor_fault else ""
-        part = name == "drift" and self.dates
+        part = name == "drift" and any(n in self.effect.settings for n in PART)
         return f"{name} of a part" if part else name
 
     @property

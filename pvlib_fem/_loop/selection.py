@@ -1,14 +1,15 @@
 """Selection of candidates by the remaining error: which single effects there are."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pvlib_fem._loop.change_dates import Scan
 from pvlib_fem._loop.change_sums import PROFILE_ERROR, UNSEEN, dates_cost
-from pvlib_fem._loop.criteria import Criteria
+from pvlib_fem._loop.criteria import TINY, Criteria
 from pvlib_fem._loop.design import Column, Design
 from pvlib_fem._loop.dictionary import (
     Candidate,
@@ -18,6 +19,7 @@ from pvlib_fem._loop.dictionary import (
 )
 from pvlib_fem._loop.noise import random_effects
 from pvlib_fem._loop.posterior import posterior
+from pvlib_fem._record.column_names import twin_of
 from pvlib_fem._statistics.extremes import ALIKE, largest_first
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
@@ -27,7 +29,11 @@ from pvlib_fem._statistics.weekly_sums import (
     held_out,
     with_ridge,
 )
+from pvlib_fem.effects import CHANGES
 from pvlib_fem.effects._effect import Effect
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.references import DailyDeviation
 
 BETTER = 1.02  # times as much as another explains a candidate has to, to replace it
 OVERLAP = 0.3  # share of the best one's part, from which another is its rival
@@ -132,6 +138,7 @@ def selected(
     criteria: Criteria,
     closed: frozenset[str],
     begin: Sequence[Choice],
+    shown: Mapping[str, Effect],
 ) -> tuple["Selection", list[Choice]]:
     """
     A selection and its choices, given the noise that remains.
@@ -144,19 +151,57 @@ def selected(
         Names that are not to be taken.
     begin : sequence of Choice
         Choices from which the selection begins, perhaps of another design.
+    shown : dict of Effect
+        Changes that a second sensor shows, by name.
 
     Returns
     -------
     Selection, list of Choice
         Before other choices are tried by :meth:`Selection.refined`.
     """
-    selection = Selection(design, criteria, closed)
+    selection = Selection(design, criteria, closed, shown=shown)
     choices = selection.run(placed_choices(design, begin, closed))
     given = selection.given(choices)
     if noise := random_effects(design, given, selection.least):
-        selection = Selection(design, criteria, closed, noise)
+        selection = replace(selection, noise=noise, known={}, scores={})
         choices = selection.run(choices)
     return selection, choices
+
+
+def shown_changes(
+    references: Iterable["DailyDeviation"], criteria: Criteria
+) -> dict[str, Effect]:
+    """
+    Changes of instruments by which second sensors deviate from them, with their dates.
+
+    They are selected as those of the module temperature, from the daily deviation of
+    the two sensors. Which of the two has changed is left to the temperature.
+
+    Parameters
+    ----------
+    references : iterable of DailyDeviation
+        Of all that is compared with instruments.
+    criteria : Criteria
+        Of the loop. A change of any size counts.
+
+    Returns
+    -------
+    dict of Effect
+        By name.
+    """
+    limits = replace(criteria, min_rmse_reduction=TINY, min_error_share=TINY)
+    shown: dict[str, Effect] = {}
+    for one in references:
+        faults = one.comparison.shows
+        changing = [e for e in CHANGES.values() if e.sensor_fault in faults]
+        if twin_of(one.column) is None:
+            continue
+        usual = {f"usual_{i}": column for i, column in enumerate(one.usual)}
+        always = np.ones(len(one.days))
+        design = Design.of_columns(one.apart, usual, always, one.days, changing)
+        for choice in Selection(design, limits).run():
+            shown.setdefault(choice.top.name, choice.top.effect)
+    return shown
 
 
 def placed_choices(
@@ -182,6 +227,8 @@ class Selection:
     closed: frozenset[str] = frozenset()  # names that are not to be taken
     #: random effects, by which the certainty is computed
     noise: tuple[Table, ...] = ()
+    #: changes that a second sensor shows, by name
+    shown: Mapping[str, Effect] = field(default_factory=dict)
     #: candidates given some columns, and what each explains
     known: dict[frozenset[Column], list[Candidate]] = field(default_factory=dict)
     scores: dict[tuple, Score] = field(default_factory=dict)
@@ -344,10 +391,33 @@ class Selection:
         key = frozenset(given)
         if key not in self.known:
             limits = self.criteria.min_days_each_side, self.criteria.prior_odds
-            self.known[key] = [*all_candidates(self.design, given, *limits)]
+            found = all_candidates(self.design, given, *limits)
+            self.known[key] = self.with_shown([*found], given)
         closed = {*taken, *self.closed}
         others = [one for one in self.known[key] if one.name not in closed]
         return [one for one in others if not without or one.time_profile != without]
+
+    def with_shown(
+        self, found: list[Candidate], given: Sequence[Column]
+    ) -> list[Candidate]:
+        """Candidates, with those that a second sensor shows instead of worse ones."""
+        for one in self.shown_candidates():
+            same = [one, *(other for other in found if other.name == one.name)]
+            shares = [worth_share(other, 1.0 / PROFILE_ERROR) for other in same]
+            if not np.argmax(self.in_sample(same, given) * shares):
+                found = [one, *(other for other in found if other.name != one.name)]
+        return found
+
+    def shown_candidates(self) -> Iterator[Candidate]:
+        """
+        Changes at the dates that a second sensor shows.
+
+        Either of the two sensors may have changed, so that the odds are even.
+        """
+        prior = float(np.log(self.criteria.prior_odds))
+        for effect in self.shown.values():
+            if columns := self.design.columns_of(effect):
+                yield Candidate(effect, columns, prior, prior, dates_known=True)
 
     def with_same_law(self, candidates: Iterable[Candidate]) -> Iterator[Candidate]:
         """
@@ -395,6 +465,17 @@ class Selection:
             if self.holds(score) and worth(others[i], score) > most * (1.0 + ALIKE):
                 best, most = Choice(others[i], score), worth(others[i], score)
         return best
+
+    def best_shown(self, choices: Sequence[Choice]) -> Choice | None:
+        """A change that a second sensor shows, and the temperature too, or None."""
+        given = self.given(choices)
+        for one in self.shown_candidates():
+            if one.name not in self.closed and one.beyond(given):
+                score = self.score(one, given)
+                there = score.probability >= self.criteria.min_probability
+                if score.possible and there and score.fall > 0.0:
+                    return Choice(one, score)
+        return None
 
     @cached_property
     def least(self) -> float:

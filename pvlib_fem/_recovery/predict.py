@@ -15,7 +15,13 @@ from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.noise import with_outside
 from pvlib_fem._loop.references import DailyDeviation, daily_deviations
 from pvlib_fem._loop.refits import Step
-from pvlib_fem._loop.selection import OVERLAP, Choice, Selection, selected
+from pvlib_fem._loop.selection import (
+    OVERLAP,
+    Choice,
+    Selection,
+    selected,
+    shown_changes,
+)
 from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._recovery.draw import Draw, dated_draws, same_days, with_ways
 from pvlib_fem._recovery.inject import readable, whole_of
@@ -147,9 +153,10 @@ class Look:
         (fall,) = selection.in_sample([self.one], self.given)
         if fall < OVERLAP * selection.least:
             return False  # too small for any set
-        selection, choices = selected(design, limits, closed, self.choices)
-        choices = selection.refined(choices)
         references = [self.shown_by(one, sum(parts)) for one in self.references]
+        shown = shown_changes(references, limits)
+        selection, choices = selected(design, limits, closed, self.choices, shown)
+        choices = selection.refined(choices)
         for i, one in enumerate(choices):
             others = [*choices[:i], *choices[i + 1 :]]
             choice = selection.weighed(one, others)

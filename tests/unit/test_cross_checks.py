@@ -14,10 +14,11 @@ from test_instruments import DATES, closed, dated, half_a_year, with_change  # n
 from pvlib_fem import close_loop, simulator
 from pvlib_fem._findings import CheckOutcome, Finding, Verdict
 from pvlib_fem._loop.comparisons import COMPARISONS, SKY, USUAL_WIND
+from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.cross_checks import log_likelihoods, outcome_of
 from pvlib_fem._loop.dictionary import Candidate
 from pvlib_fem._loop.references import DailyDeviation, daily_deviations, usual_days
-from pvlib_fem._loop.selection import Choice
+from pvlib_fem._loop.selection import Choice, shown_changes
 from pvlib_fem._record.column_names import COLUMNS, is_cross_check, is_power, twin_of
 from pvlib_fem._stored import Stored, as_json
 from pvlib_fem.effects import CHANGES, EFFECTS
@@ -49,7 +50,7 @@ def test_power_names_the_irradiance_sensor_or_the_light(half_a_year):  # noqa: F
     (check,) = (one for one in first.cross_checks if one.effect == first.effect)
     assert check.column == "power_ac" and check.outcome is CheckOutcome.AGREES
     assert check.size == pytest.approx(np.log(1.1), abs=3 * check.stderr + 0.005)
-    assert "power_ac deviate from the sensor" in first.why
+    assert "power_ac and the sensor differ" in first.why
 
 
 def test_a_threshold_decides_only_whether_a_finding_is_in_the_model(half_a_year):  # noqa: F811
@@ -64,7 +65,7 @@ def test_a_threshold_decides_only_whether_a_finding_is_in_the_model(half_a_year)
     assert hint.candidates == found.candidates
     (agrees,) = (c for c in hint.cross_checks if c.effect == found.effect)
     assert agrees.column == "power_ac" and agrees.outcome is CheckOutcome.AGREES
-    assert "power_ac deviate from the sensor" in hint.why
+    assert "power_ac and the sensor differ" in hint.why
     (row,) = (r for r in strict.statements.itertuples() if r.cause == hint.effect)
     assert "power_ac" in row.certainty and row.verdict == "hint"
 
@@ -155,6 +156,63 @@ def test_a_second_sensor_is_compared_along_a_fault_that_it_would_show():
     choice = Choice(members[wind.name], score, members, scores, weights)
     logs = log_likelihoods([reference], choice, {})
     assert logs[sensor.name] - logs[wind.name] > 2.5
+
+
+def deviation_of(column, apart):
+    """A reference that deviates from day to day by so much."""
+    days = 19000 + np.arange(len(apart))
+    comparison = next(one for one in COMPARISONS if one.serves(column))
+    return DailyDeviation(comparison, column, days, apart, lambda effect, size: days)
+
+
+@pytest.mark.parametrize(
+    ("column", "fault", "noise"),
+    [
+        ("poa_global_2", "irradiance_sensor", 0.01),
+        ("wind_speed_2", "anemometer", 0.05),
+        ("temp_air_2", "air_offset", 0.2),
+        ("temp_module_2", "module_sensor_contact", 0.02),
+    ],
+)
+def test_a_second_sensor_shows_a_change_on_its_day(column, fault, noise):
+    """A step of four times the noise of a day; noise alone, and power, show none."""
+    at = int(np.random.default_rng(7).integers(100, 300))
+    for seed in range(10):
+        days = np.arange(400)
+        apart = lfilter([np.sqrt(0.75)], [1.0, -0.5], noise_of(seed, days, noise))
+        assert shown_changes([deviation_of(column, apart)], Criteria()) == {}
+        stepped = apart - 4.0 * noise * (days >= at)
+        (one,) = shown_changes([deviation_of(column, stepped)], Criteria()).values()
+        assert one.name == f"{fault}_step"
+        begin = np.datetime64(19000 + at, "D") - np.datetime64(one.settings["at"])
+        assert abs(begin) <= np.timedelta64(1, "D")
+        assert shown_changes([deviation_of("power_ac", stepped)], Criteria()) == {}
+
+
+def noise_of(seed, days, size):
+    return np.random.default_rng(seed).normal(0.0, size, len(days))
+
+
+def test_a_change_that_a_second_sensor_shows_is_a_hint(half_a_year):  # noqa: F811
+    """It is too small for the module temperature alone."""
+    data, _ = with_change(half_a_year, noise=1.2)
+    sensor = data["poa_global"]
+    second = sensor * (1.0 + noise_of(2, sensor, 0.01))
+    data["poa_global"] = sensor / (1.0 + 0.03 * after(data))
+    assert not any("irradiance_sensor_step" in f.candidates for f in hints_of(data))
+    (hint,) = (
+        f
+        for f in hints_of(data.assign(poa_global_2=second))
+        if "irradiance_sensor_step" in f.candidates
+    )
+    assert hint.effect == "irradiance_sensor_step" and "2023-09-15" in hint.place
+    (check,) = (c for c in hint.cross_checks if c.effect == hint.effect)
+    assert check.outcome is not CheckOutcome.CONTRADICTS
+    assert check.size == pytest.approx(np.log(1.03), abs=0.003)
+
+
+def hints_of(data):
+    return [f for f in closed(data).finding_objects if f.verdict is Verdict.HINT]
 
 
 def test_soiling_shows_where_its_light_does():
@@ -399,7 +457,7 @@ def test_the_usual_wind_names_an_anemometer_and_clears_it(half_a_year):  # noqa:
     assert first.effect == "anemometer_step" and first.verdict is Verdict.IDENTIFIED
     said = {(one.column, one.outcome) for one in first.cross_checks}
     assert said == {(USUAL_WIND, CheckOutcome.AGREES)}
-    assert "usual wind deviate from the sensor" in first.why
+    assert "usual wind and the sensor differ" in first.why
 
 
 def test_what_a_class_shares_with_the_model_is_not_fitted_twice():

@@ -1033,6 +1033,22 @@ def test_what_an_unknown_cause_can_imitate_is_never_identified(name):
     assert prior_of(EFFECTS["irradiance_sensor_step"], 0.07)[1] < 1.0
 
 
+@pytest.mark.parametrize(("shown", "taken"), [(201, 201), (100, 200)])
+def test_a_date_that_a_second_sensor_shows_is_taken_unless_another_is_better(
+    shown, taken
+):
+    """Its own date costs the temperature a search, which is little beside the step."""
+    days, hours = clock(300)
+    rest = 2.0 * (days >= 200) + noise(np.random.default_rng(5), len(days))
+    changing = [CHANGES["module_offset_step"]]
+    made = design(rest, {"one": np.ones(len(days))}, days, hours, changing)
+    effect = changing[0].make(at=str(np.datetime64(START + shown, "D")))
+    selection = Selection(made, CRITERIA, shown={effect.name: effect})
+    (top,) = selection.candidates([*made.base])
+    assert top.effect.settings["at"] == str(np.datetime64(START + taken, "D"))
+    assert top.dates == (shown != taken) and top.dates_known == (shown == taken)
+
+
 def test_a_fault_is_weighed_with_all_its_time_profiles():
     """A sensor that steps looks less like the best candidate than one that fades."""
     (row,) = EFFECTS["rear_irradiance"].rows()
