@@ -187,7 +187,7 @@ if data is not None:
 # How sure is that?
 # -----------------
 # RdTools' interval knows nothing of the error of the correction. The drift has a
-# standard error of 0.13 % a year and a 90 % range of 1.4 to 2.6 % a year, most of it
+# standard error of 0.13 % a year and a 90 % range of 1.3 to 2.7 % a year, most of it
 # the error of the thermal model. The same daily energies with the ends of that range:
 
 if data is not None:
@@ -201,7 +201,7 @@ if data is not None:
         print(f"drift of {100 * size:.2f} % a year: rate {ends[name]:+.2f} % a year")
 
 # %%
-# The corrected rate is then between −0.8 and +0.3 % a year.
+# The corrected rate is then between −0.9 and +0.4 % a year.
 #
 # The file does not say whether its hours are named by their begin, their middle or
 # their end. Above it is the middle. The others turn the plane that the light has, and
