@@ -94,9 +94,9 @@ class DailyDeviation:
         apart = MONTH * np.abs(np.subtract.outer(months, months))
         return size**2 * (share @ np.exp(-apart / YEAR) @ share)
 
-    def year(self) -> Iterator[np.ndarray]:
-        """What comes back with the year, of records that are long enough."""
-        years, least = np.ptp(self.days) / YEAR, self.comparison.wanders > 0
+    def year(self, least: int = 0) -> Iterator[np.ndarray]:
+        """What comes back with the year, of records that are long enough, at least."""
+        years, least = np.ptp(self.days) / YEAR, least or self.comparison.wanders > 0
         angle = 2.0 * np.pi * self.days / YEAR
         for harmonic in range(1, 1 + min(max(int(years), least), 2)):
             yield np.cos(harmonic * angle)

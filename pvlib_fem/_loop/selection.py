@@ -196,8 +196,9 @@ def shown_changes(
         changing = [e for e in CHANGES.values() if e.sensor_fault in faults]
         if twin_of(one.column) is None:
             continue
-        usual = {f"usual_{i}": column for i, column in enumerate(one.usual)}
         always = np.ones(len(one.days))
+        # in another plane, a second sensor of light differs with the season
+        usual = {str(i): c for i, c in enumerate([always, *one.year(least=1)])}
         design = Design.of_columns(one.apart, usual, always, one.days, changing)
         for choice in Selection(design, limits).run():
             shown.setdefault(choice.top.name, choice.top.effect)

@@ -175,12 +175,14 @@ def deviation_of(column, apart):
     ],
 )
 def test_a_second_sensor_shows_a_change_on_its_day(column, fault, noise):
-    """A step of four times the noise of a day; noise alone, and power, show none."""
+    """A step of four times the noise of a day; a season and power show none."""
     at = int(np.random.default_rng(7).integers(100, 300))
     for seed in range(10):
         days = np.arange(400)
         apart = lfilter([np.sqrt(0.75)], [1.0, -0.5], noise_of(seed, days, noise))
         assert shown_changes([deviation_of(column, apart)], Criteria()) == {}
+        season = apart + 5.0 * noise * np.cos(2.0 * np.pi * days / 365.25)
+        assert shown_changes([deviation_of(column, season[:330])], Criteria()) == {}
         stepped = apart - 4.0 * noise * (days >= at)
         (one,) = shown_changes([deviation_of(column, stepped)], Criteria()).values()
         assert one.name == f"{fault}_step"
