@@ -14,7 +14,13 @@ from click.core import ParameterSource
 
 from pvlib_fem._cli.option_texts import PER_FILE, PLACE, SAME, TRACKER
 from pvlib_fem._fitting.stand_ins import SERVED
-from pvlib_fem._record.column_names import COLUMNS, ROTATION, of_several, twin_of
+from pvlib_fem._record.column_names import (
+    COLUMNS,
+    ROTATION,
+    of_several,
+    twin_of,
+    with_aliases,
+)
 from pvlib_fem._record.guess import Guess, guess
 from pvlib_fem._record.header_units import QUANTITIES, ForeignUnit, named_unit
 from pvlib_fem._record.inputs import as_record
@@ -79,7 +85,7 @@ def remedy_for(absent: Sequence[str], data: pd.DataFrame) -> str:
 
 def check_record(data: pd.DataFrame) -> None:
     """Refuse what a fit would, such as a unit that only the numbers show."""
-    screened(as_record(*map(data.get, COLUMNS)))
+    screened(as_record(*map(with_aliases(data, ()).get, COLUMNS)))
     for name in QUANTITIES:
         if name in data and (unit := unit_of_driver(name, data[name])):
             most = f"it is {data[name].max():.2g} at most"

@@ -15,7 +15,7 @@ from pvlib_fem._loop.conclude import check_of_bounds
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.divided_record import STEP_PRESENT, Case
 from pvlib_fem._record.checks import dates_of
-from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, ROTATION
+from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, ROTATION, STATED
 from pvlib_fem._record.inputs import Inputs
 from pvlib_fem._record.join_steps import JoinedColumns
 from pvlib_fem._record.parquet import ParquetRecord
@@ -62,12 +62,19 @@ def in_means(
     if not usual <= step / 2.0:
         blocks = list(screened.record.blocks())
         parts = [block.inputs.frame() for block in blocks]
-        return pd.concat(parts).drop(columns=[*source.absent]), screened
+        return stating(pd.concat(parts), source), screened
     sums = Sums(step, STEP_PRESENT * step / usual)
     for block in screened.record.blocks():
         sums.add(block.index, block.inputs.columns)
     means = sums.inputs()
-    return means.frame().drop(columns=[*source.absent]), screened
+    return stating(means.frame(), source), screened
+
+
+def stating(frame: pd.DataFrame, source: ParquetRecord) -> pd.DataFrame:
+    """The columns of files that there are, with those whose unit is stated."""
+    frame = frame.drop(columns=[*source.absent])
+    frame.attrs[STATED] = [*source.stated]
+    return frame
 
 
 @dataclass(eq=False)

@@ -50,6 +50,8 @@ ANGLES = ("wind_direction", "solar_azimuth", "surface_azimuth")  # of a full cir
 ALIASES = {"ir_down": "longwave_down"}
 #: names of 0.1 before its release, which 0.2 will not know
 RENAMED = {"p_dc": "p_dc_per_area"}
+#: in the ``attrs`` of data: columns whose unit a header or the user states
+STATED = "stated"
 ORIGINAL = "_original"  # after the name of a column as it was before a correction
 FEW = 4000  # rows that show that two are no copies
 COMPARED = ShellText(
@@ -323,6 +325,10 @@ def with_aliases(data: pd.DataFrame, needed: Any = COLUMNS) -> dict:
     if twice := [name for i, name in enumerate(names) if name in names[:i]]:
         raise ValueError(f"{twice[0]} is there twice; keep one column of each name")
     columns = {name: as_numbers(data[label]) for name, label in zip(names, data)}
+    if STATED in data.attrs:
+        columns = {name: column.copy(deep=False) for name, column in columns.items()}
+        for column in columns.values():
+            column.attrs[STATED] = data.attrs[STATED]
     columns = in_new_names(columns)
     for alias, name in ALIASES.items():
         if alias in columns:

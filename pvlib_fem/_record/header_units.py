@@ -1,6 +1,7 @@
 """Units as a header names them, and what makes the package's own of them."""
 
 import re
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
@@ -291,6 +292,29 @@ def named_unit(name: str, header: str) -> str | None:
         except ValueError:
             continue
     return None
+
+
+def stated_units(headers: Mapping[str, str]) -> list[str]:
+    """
+    Columns whose headers name the package's own unit.
+
+    Parameters
+    ----------
+    headers : dict of str
+        By the package's name; a column that is called so names no unit.
+
+    Returns
+    -------
+    list of str
+        Names of the package.
+    """
+    return [
+        name
+        for name, header in headers.items()
+        if name != header
+        and usual_name_of(name) is not None
+        and named_unit(name, header) == own_unit(name)
+    ]
 
 
 def in_other_unit(name: str, header: str, below: str = "") -> bool:

@@ -19,7 +19,7 @@ from pvlib_fem._record.checks import (
     no_datetimes,
     plain_steps,
 )
-from pvlib_fem._record.column_names import known_values
+from pvlib_fem._record.column_names import STATED, known_values
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,6 +253,7 @@ class Record:
     impossible: dict[str, int]  # values not used, by column
     clipped: int  # negative irradiance, set to 0
     absent: tuple = ()  # columns that nobody measured, which hold 0
+    stated: tuple = ()  # columns whose unit a header or the user states
 
     @property
     def index(self) -> Any:
@@ -410,7 +411,8 @@ def as_record(
     ----------
     poa_global, temp_air, wind_speed, temp_module : Series
         On one DatetimeIndex. [W/m²], [°C], [m/s], [°C] ``wind_speed`` may be None: then
-        it is 0, for models that do not depend on it.
+        it is 0, for models that do not depend on it. ``attrs["stated"]`` has names of
+        columns whose unit is stated.
     **drivers : Series
         Further columns.
 
@@ -434,6 +436,7 @@ def as_record(
     }
     absent = ("wind_speed",) if wind_speed is None else ()
     measured = {n: column for n, column in columns.items() if n not in absent}
+    stated = []
     for name, column in measured.items():
         if not isinstance(column, pd.Series):
             raise ValueError(
@@ -442,6 +445,7 @@ def as_record(
             )
         if not isinstance(column.index, pd.DatetimeIndex):
             raise ValueError(no_datetimes(name, column.index))
+        stated += [name] * (name in column.attrs.get(STATED, ()))
     calm = dict.fromkeys(absent, 0.0)
     inputs = read(columns | calm, purpose="fit_fem")
     missing = {n: int(np.count_nonzero(np.isnan(inputs[n]))) for n in measured}
@@ -452,7 +456,7 @@ def as_record(
                 f"{inputs.index[-1]}; check the column's name and the logger"
             )
     inputs = Inputs(inputs.columns, inputs.steps, inputs.unit, inputs.index, True)
-    return Record(inputs, missing, {}, 0, absent)
+    return Record(inputs, missing, {}, 0, absent, tuple(stated))
 
 
 def with_columns(record: Record, columns: dict) -> Record:

@@ -10,13 +10,14 @@ from typing import Any
 import pandas as pd
 
 from pvlib_fem._record.checks import usual_step
-from pvlib_fem._record.column_names import renamed
+from pvlib_fem._record.column_names import STATED, renamed
 from pvlib_fem._record.file_times import in_order, with_time_index
 from pvlib_fem._record.header_units import (
     QUANTITIES,
     converted_column,
     named_unit,
     own_unit,
+    stated_units,
     unit_of,
     usual_name_of,
 )
@@ -95,8 +96,9 @@ def read_file(
     Returns
     -------
     DataFrame
-        What was done in addition to reading is in ``.attrs["notes"]``, and the unit
-        that each column was converted from in ``.attrs["converted"]``.
+        What was done in addition to reading is in ``.attrs["notes"]``, the unit that
+        each column was converted from in ``.attrs["converted"]``, and the columns whose
+        unit a header or ``convert_units`` states in ``.attrs["stated"]``.
 
     Raises
     ------
@@ -152,8 +154,9 @@ def frame(
     Returns
     -------
     DataFrame
-        With a DatetimeIndex; ``.attrs`` has ``"notes"``, a sentence each, and
-        ``"converted"``, the former unit by column.
+        With a DatetimeIndex; ``.attrs`` has ``"notes"``, a sentence each,
+        ``"converted"``, the former unit by column, and ``"stated"``, the columns whose
+        unit a header or ``units`` states.
 
     Raises
     ------
@@ -201,7 +204,8 @@ def frame(
         data, headers, convert, units or {}, check_units, module_area, hours
     )
     done += [f"{n} converted from {u} to {own_unit(n)}" for n, u in file_units.items()]
-    data.attrs |= {"notes": notes + done, "converted": file_units}
+    stated = sorted({*stated_units(headers), *(units or {}), *file_units})
+    data.attrs |= {"notes": notes + done, "converted": file_units, STATED: stated}
     return data
 
 

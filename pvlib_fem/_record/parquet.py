@@ -32,6 +32,7 @@ from pvlib_fem._record.header_units import (
     QUANTITIES,
     named_unit,
     own_unit,
+    stated_units,
     usual_name_of,
 )
 from pvlib_fem._record.inputs import Columns, Inputs
@@ -144,6 +145,11 @@ class ParquetRecord:
         """First and last time, in the record's zone."""
         ends = pd.DatetimeIndex([self.groups[0].first, self.groups[-1].last])
         return tuple(in_zone(ends, self.tz, self.naive, np.array([False, True])))
+
+    @property
+    def stated(self) -> tuple[str, ...]:
+        """Columns whose headers name the package's own unit."""
+        return tuple(stated_units(self.columns))
 
     def __repr__(self) -> str:
         first, last = self.ends

@@ -84,7 +84,7 @@ def screened_blocks(
     screening.fills()
     screening.refuse_empty()
     if check_units:
-        refuse_units(screening.judged(), limits)
+        refuse_units(screening.judged(), limits, stated=source.stated)
     clipped = screening.rules()
     screening.refuse_impossible()
     screening.ends()

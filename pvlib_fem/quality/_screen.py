@@ -157,7 +157,7 @@ def by_columns(
     screening.fills()
     screening.refuse_empty()
     if check_units:
-        refuse_units(screening.judged(), limits, late)
+        refuse_units(screening.judged(), limits, late, record.stated)
     clipped = screening.rules()
     screening.refuse_impossible()
     screening.ends()

@@ -1,7 +1,7 @@
 """Columns in another unit, or not what their name says."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -323,6 +323,7 @@ class UnitDoubt:
     columns: tuple = ()  # those in another unit, or swapped
     unit: str = ""  # that can be converted
     why: str = ""
+    possible: bool = False  # whether the values can be in the package's unit, too
 
     def error(self) -> ValueError:
         """The error that refuses the record."""
@@ -348,7 +349,12 @@ def foreign(unit: str, why: str, *columns: str) -> UnitDoubt:
     )
 
 
-def refuse_units(inputs: Inputs, limits: Limits, late: bool = False) -> None:
+def refuse_units(
+    inputs: Inputs,
+    limits: Limits,
+    late: bool = False,
+    stated: Collection[str] = (),
+) -> None:
     """
     Refuse a column that looks to be in another unit, or not what its name says.
 
@@ -364,6 +370,9 @@ def refuse_units(inputs: Inputs, limits: Limits, late: bool = False) -> None:
         The thresholds.
     late : bool, default False
         Accept a module whose clock is off by hours, where its units are right.
+    stated : collection of str, default ()
+        Columns whose unit a header or the user states: they are refused only if their
+        values are impossible in it.
 
     Raises
     ------
@@ -375,6 +384,8 @@ def refuse_units(inputs: Inputs, limits: Limits, late: bool = False) -> None:
         If a column is a copy, its unit is uncertain, or a clock is off by hours.
     """
     odd, off = suspected(inputs, record_signs(inputs), limits)
+    if odd and odd.possible and {*odd.columns} <= {*stated}:
+        odd = None
     if odd or (off and not late):
         raise (odd or of_hours(off)).error()
 
@@ -507,7 +518,7 @@ def suspicion(inputs: Inputs, evidence: Signs) -> UnitDoubt | None:
             f"5 % of it is above {evidence.strong:.0f}, and one unit of it changes the "
             f"over-temperature by {100 * evidence.effect:.1f} %"
         )
-        return foreign("km/h", why, "wind_speed")
+        return replace(foreign("km/h", why, "wind_speed"), possible=True)
     return None
 
 

@@ -417,6 +417,34 @@ def test_a_unit_that_is_right_can_pass(tmp_path):
     assert call("loop", path, "--no-unit-check").exit_code == 0
 
 
+@pytest.mark.parametrize("column", ["v", "v (m/s)"])
+@pytest.mark.parametrize("parquet", [False, True])
+def test_a_wind_that_is_possible_passes_where_its_unit_is_stated(
+    tmp_path, column, parquet
+):
+    """A storm's wind may be in m/s: its header, or the user, has to say so."""
+    data = datasets.synthetic(8, 300, seed=2).tz_localize(None)
+    data = data.assign(wind_speed=3.6 * data["wind_speed"])
+    data = data.rename(columns={"wind_speed": column}).rename_axis("time")
+    path = tmp_path / "storm"
+    data.to_csv(path.with_suffix(".csv"))
+    path.mkdir()
+    data.to_parquet(path / "all.parquet")
+    given = [path if parquet else path.with_suffix(".csv"), "--map"]
+    given += [f"wind_speed={column}"]
+    stated = column != "v"
+    for method in ("fit", "loop"):
+        done = call(method, *given, *["--details"] * (method == "loop"))
+        assert (done.exit_code == 0) is stated, done.output
+        assert "wind_speed looks to be in km/h" in " ".join(done.output.split())
+    if not parquet:
+        assert call("fit", *given, "--unit", "wind_speed=m/s").exit_code == 0
+        names = {"wind_speed": column}
+        whole = read_file(given[0], names, {} if stated else {"wind_speed": "m/s"})
+        assert whole.attrs["stated"] == ["wind_speed"]
+        assert fit_fem(whole).coefficients["k"] > 0.0
+
+
 def test_a_file_in_another_encoding_names_the_option(frame, tmp_path):
     path = tmp_path / "latin.csv"
     named = frame.rename(columns={"temp_air": "T [°C]"})
