@@ -28,7 +28,7 @@ from pvlib_fem._record.header_units import (
     SwappedTemperatures,
     named_unit,
     own_unit,
-    unit_of,
+    stated_unit,
     usual_name_of,
 )
 from pvlib_fem._record.kept_rows import good_texts, pairs_of, with_good_rows
@@ -250,16 +250,12 @@ def in_units(guessed: Guess, data: dict, below: dict) -> None:
     for name, column in guessed.columns.items():
         if column not in data or usual_name_of(name) is None:
             continue
-        unit = named_unit(name, str(column))
-        if unit is None and below.get(column):
-            try:
-                unit = unit_of(name, below[column])
-            except ValueError:
-                continue
-            if unit != own_unit(name):
+        unit = stated_unit(name, str(column), below.get(column, ""))
+        if unit not in (None, own_unit(name)):
+            if unit == named_unit(name, str(column)):
+                guessed.headers = True
+            else:
                 guessed.units[name] = unit
-        elif unit not in (None, own_unit(name)):
-            guessed.headers = True
         guessed.area |= name == "p_dc_per_area" and unit in WHOLE
     for name in COLUMNS:
         column = guessed.columns.get(name, name)

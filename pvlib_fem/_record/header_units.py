@@ -120,9 +120,9 @@ SPELLINGS = {
     "°C": ("°c", "c", "degc", "celsius", "degreesc", "deg.c"),
     "°F": ("°f", "f", "degf", "fahrenheit", "degreesf", "deg.f"),
     "K": ("k", "kelvin", "degk"),
-    "m/s": ("m/s", "ms", "ms-1", "mps", "m/sec"),
-    "km/h": ("km/h", "kmh", "kph", "kmph", "kmh-1", "km/hr"),
-    "mph": ("mph", "mi/h", "miles/h", "mi/hr"),
+    "m/s": ("m/s", "ms", "ms-1", "mps", "m/sec", "meters/second", "metres/second"),
+    "km/h": ("km/h", "kmh", "kph", "kmph", "kmh-1", "km/hr", "kilometers/hour"),
+    "mph": ("mph", "mi/h", "miles/h", "mi/hr", "miles/hour"),
     "kn": ("kn", "kt", "kts", "knot", "knots"),
     "ft/s": ("ft/s", "fts", "fps"),
     "°": ("°", "deg", "degrees", "degree", "°n"),
@@ -286,7 +286,8 @@ def named_unit(name: str, header: str) -> str | None:
         word for word in re.split(r"[\s_,;:]+", bare) if plain_unit(word) not in WORDS
     ]
     inside = [part for text in bracketed(header) for part in re.split("[,;]", text)]
-    for text in (*inside, *words[1:]):  # the first word is the column's name
+    # the first word is the column's name, and a unit of two lines is the last one
+    for text in (*inside, *words[:0:-1]):
         try:
             return unit_of(name, text)
         except ValueError:
@@ -294,26 +295,55 @@ def named_unit(name: str, header: str) -> str | None:
     return None
 
 
-def stated_units(headers: Mapping[str, str]) -> list[str]:
+def stated_unit(name: str, header: str, below: str = "") -> str | None:
     """
-    Columns whose headers name the package's own unit.
+    The unit that a file states for a column.
+
+    Parameters
+    ----------
+    name : str
+        Package's name of the column.
+    header : str
+        Its header.
+    below : str, default ""
+        Its cell in a line of units below the header, which is surer than the header.
+
+    Returns
+    -------
+    str or None
+        In the package's spelling; None without a unit that the column can be in.
+    """
+    try:
+        return unit_of(name, below)
+    except ValueError:
+        return named_unit(name, header)
+
+
+def stated_columns(
+    headers: Mapping[str, str], below: Mapping[str, str] | None = None
+) -> list[str]:
+    """
+    Columns of which a file states that they are in the package's own unit.
 
     Parameters
     ----------
     headers : dict of str
         By the package's name; a column that is called so names no unit.
+    below : dict of str, optional
+        Cells of a line of units below the header, by header.
 
     Returns
     -------
     list of str
         Names of the package.
     """
+    units = below or {}
     return [
         name
         for name, header in headers.items()
-        if name != header
+        if (name != header or header in units)
         and usual_name_of(name) is not None
-        and named_unit(name, header) == own_unit(name)
+        and stated_unit(name, header, units.get(header, "")) == own_unit(name)
     ]
 
 

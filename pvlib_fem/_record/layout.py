@@ -2,6 +2,7 @@
 
 import codecs
 import csv
+import itertools
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
@@ -222,12 +223,53 @@ def header_lines(rows: list, decimal: str) -> tuple[dict, dict]:
         return {}, {}
     header = header_of(rows, above)
     skipped = tuple(i for i in range(first) if i not in header)
-    below = [rows[i] for i in range(header[-1] + 1, first) if len(rows[i]) == width]
-    names = joined_labels(merged([rows[i] for i in header]))
-    units = zip(names, below[0]) if below else ()
-    units = {column: unit.strip() for column, unit in units if unit.strip()}
+    units = below_header(rows[:first], header)
     skip = header[0] if skipped == tuple(range(header[0])) else skipped
     return dict(skip_rows=skip, header_rows=len(header)), units
+
+
+def below_header(rows: list, header: list[int]) -> dict[str, str]:
+    """The cells of the line below the header, by the column of the header."""
+    names = joined_labels(merged([rows[i] for i in header]))
+    below = [row for row in rows[header[-1] + 1 :] if len(row) == len(names)]
+    cells = zip(names, below[0]) if below else ()
+    return {column: cell.strip() for column, cell in cells if cell.strip()}
+
+
+def left_out_units(file: Path, layout: Layout) -> dict[str, str]:
+    """
+    Cells of the line below the header, where the layout leaves that line out.
+
+    Parameters
+    ----------
+    file : Path
+    layout : Layout
+        With the lines to leave out by their numbers.
+
+    Returns
+    -------
+    dict of str
+        By column: the units of a TOA5 file, or whatever stands there.
+    """
+    skipped, suffix = layout.skip_rows, file.suffix.lower()
+    if isinstance(skipped, int) or not skipped or suffix in PARQUET:
+        return {}
+    many = min(max(skipped) + 1, LINES)
+    if suffix in EXCEL:
+        first = pd.read_excel(file, sheet_name=layout.sheet, header=None, nrows=many)
+        rows = text_rows(first)
+    else:
+        with open(file, encoding=layout.encoding, errors="replace") as opened:
+            lines = [line.strip("\r\n") for line in itertools.islice(opened, many)]
+        lines[0] = lines[0].removeprefix("\ufeff")
+        rows = [*csv.reader(lines, delimiter=layout.sep, skipinitialspace=True)]
+        if layout.sep == SPACES:
+            rows = [line.lstrip(COMMENT).split() for line in lines]
+    kept = [i for i in range(len(rows)) if i not in skipped and any(rows[i])]
+    header, data = kept[: layout.header_rows], kept[layout.header_rows :]
+    if len(header) < layout.header_rows:
+        return {}
+    return below_header(rows[: (data or [many])[0]], header)
 
 
 def header_of(rows: list, above: list) -> list[int]:

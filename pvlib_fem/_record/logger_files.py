@@ -15,9 +15,9 @@ from pvlib_fem._record.file_times import in_order, with_time_index
 from pvlib_fem._record.header_units import (
     QUANTITIES,
     converted_column,
-    named_unit,
     own_unit,
-    stated_units,
+    stated_columns,
+    stated_unit,
     unit_of,
     usual_name_of,
 )
@@ -32,6 +32,7 @@ from pvlib_fem._record.layout import (
     TIME,
     Layout,
     layout_of,
+    left_out_units,
 )
 from pvlib_fem._record.long_tables import wide_table
 from pvlib_fem._record.numbers import refuse_text, ungrouped, unmarked
@@ -163,7 +164,7 @@ def frame(
     ValueError
         If a file, its times, a column or a unit are not as stated.
     """
-    tables, names, notes, headers = [], [], [], []
+    tables, names, notes, headers, lines = [], [], [], [], []
     for file, layout in zip(files, layouts):
         pieces = file if isinstance(file, list) else [file]
         read = []
@@ -180,6 +181,7 @@ def frame(
         data, done = in_order(data, layout.sort, layout.drop_doubled)
         tables.append(data)
         names.append(name)
+        lines.append({} if layout.tag else left_out_units(pieces[0], layout))
         notes += [f"{name}: {note}" for note in done]
     for layout in layouts:
         refuse_unknown(layout.keep, headers)
@@ -187,6 +189,8 @@ def frame(
     # amounts of a step are of that of their own file
     spans = [(usual_step(table.index) / 3600.0, table) for table in tables]
     hours = dict(zip(data, (span for span, table in spans for _ in table)))
+    cells = [units.get(str(c)) for table, units in zip(tables, lines) for c in table]
+    below = {str(column): cell for column, cell in zip(data, cells) if cell}
     absent = [column for column in columns.values() if column not in data]
     if absent:
         raise ValueError(
@@ -201,10 +205,10 @@ def frame(
         if name in data:
             refuse_text(data[name], name)
     data, file_units = in_units(
-        data, headers, convert, units or {}, check_units, module_area, hours
+        data, headers, convert, units or {}, check_units, module_area, hours, below
     )
     done += [f"{n} converted from {u} to {own_unit(n)}" for n, u in file_units.items()]
-    stated = sorted({*stated_units(headers), *(units or {}), *file_units})
+    stated = sorted({*stated_columns(headers, below), *(units or {}), *file_units})
     data.attrs |= {"notes": notes + done, "converted": file_units, STATED: stated}
     return data
 
@@ -447,6 +451,7 @@ def in_units(
     check_units: bool,
     module_area: float | None,
     hours: dict,
+    below: Mapping,
 ) -> tuple[pd.DataFrame, dict]:
     """Columns in the package's units, if that is requested, and their own units."""
     requested = {name: unit_of(name, unit) for name, unit in units.items()}
@@ -460,9 +465,11 @@ def in_units(
     for name, header in headers.items():
         # of a second sensor with no name of its own, temp_module_f, the end is no unit
         second = name not in QUANTITIES and name not in requested and name == header
-        if usual_name_of(name) is None or second:
+        cell = below.get(header, "")
+        if usual_name_of(name) is None or (second and not cell):
             continue
-        own, unit = own_unit(name), requested.get(name) or named_unit(name, str(header))
+        own = own_unit(name)
+        unit = requested.get(name) or stated_unit(name, str(header), cell)
         if unit in (None, own):
             continue
         if name in requested or convert:
@@ -471,8 +478,10 @@ def in_units(
             data = data.assign(**{name: column})
             done[name] = unit
         elif check_units:
+            below_it = stated_unit(name, "", cell) == unit
+            where = "line below the header" if below_it else "header"
             raise refusal(
-                f"the header {header!r} names {unit}, and {name} has to be in {own}; "
+                f"the {where} {header!r} names {unit}, and {name} has to be in {own}; "
                 "give ",
                 ShellText("convert_units=True (--convert)", "--convert"),
                 " to convert it, or ",

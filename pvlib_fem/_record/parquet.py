@@ -32,7 +32,7 @@ from pvlib_fem._record.header_units import (
     QUANTITIES,
     named_unit,
     own_unit,
-    stated_units,
+    stated_columns,
     usual_name_of,
 )
 from pvlib_fem._record.inputs import Columns, Inputs
@@ -149,7 +149,7 @@ class ParquetRecord:
     @property
     def stated(self) -> tuple[str, ...]:
         """Columns whose headers name the package's own unit."""
-        return tuple(stated_units(self.columns))
+        return tuple(stated_columns(self.columns))
 
     def __repr__(self) -> str:
         first, last = self.ends

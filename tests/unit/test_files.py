@@ -256,7 +256,9 @@ def test_a_header_that_names_a_unit_is_believed_by_choice_only(raw, tmp_path):
         ("wind_speed", "Windspeed [kts]", "kn"),
         ("wind_speed", "wind_speed", None),
         ("temp_air", "Tamb [°F]", "°F"),
+        ("wind_speed", "WS (miles/hour)", "mph"),
         ("temp_air", "Temp_C_Avg", "°C"),
+        ("temp_air", "Temp_C_Avg_Deg F", "°F"),
         ("temp_air", "T (module) [degC]", "°C"),
         ("temp_air", "C", None),
         ("temp_module", "T (rear, °F)", "°F"),
@@ -331,6 +333,29 @@ def test_a_line_of_units_below_the_header_is_left_out_and_read(raw, tmp_path):
     assert words[2:4] == ["--skip-lines", "1"]
     assert {"wind_speed=mph", "temp_air=°F"} <= {*words}
     assert "1,728 rows" in call(*words).output
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".xlsx"])
+def test_a_line_of_units_that_is_left_out_counts_more_than_the_header(
+    raw, suffix, tmp_path
+):
+    """A logger's program whose names say m/s and °C may be set to mph and °F."""
+    path, names = tmp_path / f"plant{suffix}", ["G_Wm2", "T_C", "WS_ms", "Tm_C_Avg"]
+    units = ["TS", "W/m^2", "Deg F", "mph", "Deg C"]
+    rows = [["plant"] * 5, ["time", *names], units, [*"-----"]]
+    table = pd.DataFrame([*rows, *raw.reset_index().astype(object).to_numpy()])
+    if suffix == ".csv":
+        table.to_csv(path, index=False, header=False)
+    else:
+        table.to_excel(path, index=False, header=False)
+    maps = [f"--map={n}={c}" for n, c in zip(NAMES, names)]
+    given = ("fit", path, "--skip-lines", "0,2,3", *maps)
+    refused = call(*given)
+    assert "the line below the header 'T_C' names °F" in refused.output
+    assert {"wind_speed=mph", "temp_air=°F"} <= {*proposed(refused)}
+    fits = [call(*given, "--convert"), call(*proposed(refused))]
+    assert "note: wind_speed converted from mph to m/s" in fits[0].output
+    assert fits[0].output.splitlines()[2:] == fits[1].output.splitlines()[2:]
 
 
 def test_a_text_that_stands_for_a_missing_value_is_told_by_its_row(record, tmp_path):
