@@ -87,7 +87,8 @@ class Limits:
     ----------
     max_accident_share : float
         *All checks.* Largest share of rows that counts as an accident: values in
-        another unit, rows years from all others, rows that are missing by day or
+        another unit, rows years from all others, changes of a temperature from row to
+        row that lead to no row of zeros, rows that are missing by day or
         present by night in a file of days alone, values below a calm. An unknown code
         in more rows is a state of what is measured, such as on. Of lone zeros as large
         a share may have been measured. [-]
@@ -150,9 +151,10 @@ class Limits:
         *Stuck.* Smallest change of module temperature, or of its rise over air, that
         needs a change of irradiance, of some 300 W/m². [K]
     temperature_tolerance : float
-        *Stuck, lone zero.* Difference of temperatures without meaning: of the air, to
-        which a module need not respond, in addition to twice the resolution of both;
-        and from 0 °C, where snow melts. [K]
+        *Stuck, lone zero, all zero.* Difference of temperatures without meaning: of the
+        air, to which a module need not respond, in addition to twice the resolution of
+        both; from 0 °C, where snow melts; and from a row in which all columns are 0, in
+        addition to the column's own changes. [K]
     min_light : float
         *Noon, stuck, light by night.* Irradiance from which there is light, above what
         a pyranometer reads at night. [W/m²]

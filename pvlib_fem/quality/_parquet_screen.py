@@ -10,7 +10,7 @@ from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.parquet import ParquetRecord
 from pvlib_fem.quality._file_scan import Look
 from pvlib_fem.quality._limits import Limits
-from pvlib_fem.quality._screening import Screener, fault_sentence
+from pvlib_fem.quality._screening import Screener, fault_sentences
 from pvlib_fem.quality._unit_checks import oddities, refuse_doubtful, refuse_units
 
 
@@ -27,7 +27,7 @@ class Screened:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        lines = map(fault_sentence, self.fault_rows)
+        lines = fault_sentences(self.fault_rows)
         source: Any = self.record.source  # of files, which have notes
         return (*source.notes, *lines, *self.odd)
 

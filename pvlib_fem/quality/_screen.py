@@ -10,7 +10,7 @@ from pvlib_fem._record.column_names import ALIASES, RENAMED, printable, with_ali
 from pvlib_fem._record.inputs import Columns, Record, read
 from pvlib_fem._record.ranges import range_of
 from pvlib_fem.quality._limits import POSSIBLE, Limits
-from pvlib_fem.quality._screening import KINDS, Screener, fault_sentence
+from pvlib_fem.quality._screening import KINDS, Screener, fault_sentences
 from pvlib_fem.quality._stray_times import refuse_stray, stray_rows
 from pvlib_fem.quality._unit_checks import oddities, refuse_doubtful, refuse_units
 
@@ -54,7 +54,7 @@ class Faults:
     @property
     def notes(self) -> tuple[str, ...]:
         """The findings in sentences."""
-        return tuple(map(fault_sentence, self.counts.itertuples()))
+        return fault_sentences(self.counts.itertuples())
 
     def and_in(self, rows: np.ndarray, other: "Faults") -> "Faults":
         """The faults with those of temp_module in some rows from another."""
@@ -188,8 +188,9 @@ class Screening:
     Attributes
     ----------
     masks : dict of DataFrame
-        By kind (``"fill value"``, ``"negative by day"``, ``"lone zero"``, ``"out of
-        range"``, ``"light by night"``, ``"spike"``, ``"end of range"``, ``"stuck"``):
+        By kind (``"fill value"``, ``"all zero"``, ``"negative by day"``, ``"lone
+        zero"``, ``"out of range"``, ``"light by night"``, ``"spike"``, ``"end of
+        range"``, ``"stuck"``):
         booleans in the form of the data, True where a value is at fault. They join
         with those of pvanalytics by ``&`` and ``|``.
     counts : DataFrame
@@ -254,7 +255,9 @@ def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening
     -----
     *Fill values* are a logger's codes (−999, −6999, 7999, −327.67, ...) where they lie
     outside what the column can hold or, in a column that is not known, well away from
-    all else; and values that repeat at ten times all else. *Out of range* is what no
+    all else; and values that repeat at ten times all else. *All zero* are rows
+    of exactly 0 in all four usual columns at once, where one of both temperatures is
+    well away from 0 before and after. *Out of range* is what no
     sensor can have measured. *Negative by day* is irradiance below 0 at a time of day
     that is light on the days around; *light by night* irradiance above 20 W/m² more
     than six hours from noon, at a time that is dark on four of five nights around and

@@ -1,7 +1,7 @@
 """The screening of a record block by block, whether it is in memory or in files."""
 
 from collections import namedtuple
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,9 +20,10 @@ from pvlib_fem._record.column_names import GEOMETRY, ROTATION
 from pvlib_fem._record.header_units import of_any_unit
 from pvlib_fem._record.inputs import Inputs, Record
 from pvlib_fem._record.ranges import possible_range
+from pvlib_fem.quality._all_zero import all_zero_rows
 from pvlib_fem.quality._file_scan import Look
 from pvlib_fem.quality._light_table import LightTable, light_by_night
-from pvlib_fem.quality._limits import DRIVERS, POSSIBLE, Limits
+from pvlib_fem.quality._limits import DRIVERS, FASTEST, POSSIBLE, Limits
 from pvlib_fem.quality._outliers import (
     at_end,
     codes_apart,
@@ -39,7 +40,7 @@ from pvlib_fem.quality._stuck import (
     stuck_spans,
 )
 from pvlib_fem.quality._unit_checks import doubtful
-from pvlib_fem.quality._values import never_moves
+from pvlib_fem.quality._values import changes, never_moves
 
 PLACED = (*GEOMETRY, ROTATION)  # angles, which no rule checks
 
@@ -50,6 +51,7 @@ FaultRow = namedtuple("FaultRow", "column kind rows first value")
 #: it is said after the column's name
 KINDS = {
     "fill value": "holds the fill value {value:.7g}",
+    "all zero": "stood at exactly {value:g} at once, as if communication failed,",
     "negative by day": "is negative by day, as {value:.4g},",
     "lone zero": "is exactly {value:g} between values that do not lead to it,",
     "out of range": "is outside {low:g} … {high:g} {unit}, as {value:.5g},",
@@ -60,21 +62,33 @@ KINDS = {
 }
 
 
-def fault_sentence(row: Any) -> str:
+def fault_sentences(rows: Iterable) -> tuple[str, ...]:
     """
-    What was found in one column, in one line.
+    What was found, in one line for each column, or for columns that failed together.
 
     Parameters
     ----------
-    row : FaultRow
-        Or a row of ``Faults.counts`` as a named tuple: ``column``, ``kind``, number of
+    rows : iterable of FaultRow
+        Or rows of ``Faults.counts`` as named tuples: ``column``, ``kind``, number of
         ``rows``, time of the ``first``, and ``value`` there.
 
     Returns
     -------
-    str
-        A sentence without a full stop.
+    tuple of str
+        Sentences without full stops.
     """
+    groups: dict = {}
+    for row in rows:
+        together = (row.rows, row.first) if row.kind == "all zero" else row.column
+        groups.setdefault((row.kind, together), []).append(row)
+    return tuple(
+        fault_sentence(some[0]._replace(column=", ".join(one.column for one in some)))
+        for some in groups.values()
+    )
+
+
+def fault_sentence(row: Any) -> str:
+    """What was found in one column, in one line."""
     low, high, unit = possible_range(row.column) or (0, 0, "")
     what = KINDS[row.kind].format(value=row.value, low=low, high=high, unit=unit)
     many = f"in {row.rows:,} rows, first at" if row.rows > 1 else "at"
@@ -250,6 +264,34 @@ class Screener:
                 again |= len(far[0]) > 0
         if again:
             self.look_again()
+        self.all_zero()
+
+    def all_zero(self) -> None:
+        """Take rows out in which the logger wrote 0 into all columns."""
+        temps = [self.look.columns[name] for name in FASTEST]
+        if not all(one.known for one in temps):
+            return
+        if not any(one.low <= 0.0 <= one.high for one in temps):
+            return
+        sample, margins = self.sampled(), {}
+        usual = 1.0 - self.limits.max_accident_share
+        for name in FASTEST:
+            steps = changes(np.where(sample[name] == 0, np.nan, sample[name]))
+            farthest = np.quantile(steps, usual) if len(steps) else np.inf
+            margins[name] = self.limits.temperature_tolerance + farthest
+        rows, times = all_zero_rows(self.clean, margins)
+        if not len(rows):
+            return
+        for name, _ in [*self.ruled()]:
+            values = np.concatenate(
+                [
+                    block[name][np.isin(block.times, times)]
+                    for block in self.clean.blocks((name,))
+                ]
+            )
+            zero = values == 0
+            self.note("all zero", name, rows[zero], times[zero], values[zero])
+        self.look_again()
 
     def refuse_empty(self) -> None:
         """Refuse one of the four columns without any remaining value."""

@@ -113,6 +113,7 @@ CASES = {
         (0.0, 0, 0, 1),
     ],
     "lone zero, often": [(0.0, i % 4, 97 * i + 55, 1 + i % 3) for i in range(28)],
+    "all zero": [(0.0, i, first, 40) for i in range(4) for first in (230, 700)],
     "stuck": [("still", 3, NOON - 100, 300), ("still", 2, 1000, 260)],
     "stuck, one after the other": [("still", 3, 200, 900), ("still", 0, 220, 800)],
     "fill value, far": [(1e4, 5, 30, 5), ("nan", 1, 500, 700)],

@@ -351,6 +351,44 @@ def test_a_zero_that_values_lead_to_stays():
     assert "lone zero" not in {*fem.screen_record(lamp).counts["kind"]}
 
 
+@pytest.mark.parametrize("step", [60.0, 600.0, 3600.0])
+@pytest.mark.parametrize("hours", [1, 30])
+def test_rows_of_zeros_in_all_columns_are_no_measurement(step, hours):
+    """A logger writes them where communication fails, at any hour and for days."""
+    data = site_record(step, days=10).assign(relative_humidity=60.0, fan=1.0)
+    data["relative_humidity"] += np.arange(len(data)) % 30
+    failed = np.zeros(len(data), dtype=bool)
+    for day in (2, 5, 8):
+        first = int((day * 86400 + day * 3600) / step)
+        failed[first : first + int(hours * 3600 / step)] = True
+    zeros = [*COLUMNS, "relative_humidity"]
+    spoilt = data.copy()
+    spoilt.loc[failed, zeros] = 0.0
+    found = fem.screen_record(spoilt)
+    assert kinds(found) == [(name, "all zero", failed.sum()) for name in zeros]
+    line = f"{', '.join(zeros)} stood at exactly 0 at once"
+    assert [line in note for note in found.notes] == [True]
+    holes = data.copy()
+    holes.loc[failed, list(COLUMNS)] = np.nan
+    assert fit(spoilt).coefficients == fit(holes).coefficients
+
+
+@pytest.mark.parametrize("step", [600.0, 3600.0])
+@pytest.mark.parametrize("places", [1, 0])
+def test_a_calm_night_at_zero_is_measured(step, places):
+    data = site_record(step, "2023-01-05", days=60)
+    near = 0
+    for warmer in np.arange(-6.0, 6.5, 1.0):
+        dark = data["poa_global"] == 0
+        calm = data.assign(wind_speed=data["wind_speed"].mask(dark, 0.0))
+        parts = {n: data[n] + warmer for n in ("temp_air", "temp_module")}
+        parts["temp_module"] = parts["temp_module"].mask(dark, parts["temp_air"])
+        calm = calm.assign(**parts).round(places) + 0.0
+        near += (calm[list(COLUMNS)] == 0).all(axis=1).sum()
+        assert "all zero" not in {*fem.screen_record(calm).counts["kind"]}
+    assert near > 50
+
+
 # sensors that are stuck
 
 
@@ -562,7 +600,7 @@ def test_the_frame_keeps_its_form(record):
     assert found.cleaned.index.equals(data.index)
     assert set(found.masks) == {
         *("fill value", "out of range", "negative by day", "light by night", "spike"),
-        *("lone zero", "end of range", "stuck"),
+        *("all zero", "lone zero", "end of range", "stuck"),
     }
     with pytest.raises(ValueError, match="temp_air is there twice"):
         fem.screen_record(pd.concat([data, data[["temp_air"]]], axis=1))
