@@ -151,9 +151,11 @@ def memory_notes(
             f"fixed={{'{name}': ...}}"
         )
     elif value > (1.0 + SPREAD) * age:
-        # for records of means, the age is the time constant at any step
+        # for records of means, the age is the time constant at any step; values at one
+        # time lead the means before them by half a step, and by more under clouds
         yield (
-            f"{name} is that of samples at the end of {step}: if the columns are means "
-            "over them, as most loggers store, the module's own is about "
-            f"{float(f'{age:.2g}'):,g} {unit}"
+            f"{name} holds if temp_module is the value at the end of {step} and other "
+            "columns are means over them: if all are means, as most loggers store, the "
+            f"module's own is about {float(f'{age:.2g}'):,g} {unit}, and at most that "
+            "if all are instantaneous values"
         )

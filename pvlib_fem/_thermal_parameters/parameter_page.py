@@ -58,8 +58,9 @@ PARTS = {
     ),
     "Time constant": (
         ("time constant",),
-        "Of the module at a wind. The first is of samples at the end of each step, the "
-        "second of means over it, which most loggers store.",
+        "Of the module at a wind. The first is of temperatures at the end of each step "
+        "and means of the inputs, the second of means of all, which most loggers "
+        "store.",
     ),
     "T98": (
         ("T98",),

@@ -79,6 +79,21 @@ def test_means_over_long_steps_have_the_memory_that_the_note_says(dynamics, step
 
 
 @both
+@pytest.mark.parametrize("step", [300, 900])
+def test_instantaneous_values_have_at_most_the_memory_that_the_note_says(
+    dynamics, step
+):
+    """They lead the means before them, which the fit makes up for by its memory."""
+    data = made(dynamics, 60, days=60)
+    fit = fitted(data.iloc[:: step // 60], dynamics)
+    (note,) = fit.notes
+    assert note.endswith("and at most that if all are instantaneous values")
+    said = float(note.split("is about ")[1].split()[0].replace(",", ""))
+    (truth,) = MEMORIES[dynamics].values()
+    assert truth < said < fit.coefficients[note.split()[0]]
+
+
+@both
 def test_short_steps_have_no_note(dynamics):
     assert fitted(made(dynamics, 60, days=14), dynamics).notes == ()
 
