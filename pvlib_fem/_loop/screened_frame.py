@@ -135,7 +135,7 @@ def screened_frame(
     timed = in_time(hidden, health.clock).inputs
     powers = [*filter(is_power, (*drivers, *comparing))]
     untimed, lines = powers_off_time(whole, powers, health.clock, limits)
-    odd = (*oddities(timed, limits, hidden.absent), *lines)
+    odd = (*oddities(timed, limits, hidden.absent, timed=True), *lines)
     return Look(
         whole=whole.lacking(untimed),
         held_out=test,

@@ -629,7 +629,10 @@ def of_difference(inputs: Inputs, night: Any) -> UnitDoubt:
 
 
 def oddities(
-    inputs: Inputs, limits: Limits | None = None, absent: tuple = ()
+    inputs: Inputs,
+    limits: Limits | None = None,
+    absent: tuple = (),
+    timed: bool = False,
 ) -> Iterator[str]:
     """
     What looks odd in the columns but may be so.
@@ -642,6 +645,8 @@ def oddities(
         The thresholds.
     absent : tuple of str, default ()
         Columns that were not measured, which hold 0.
+    timed : bool, default False
+        Whether the clock of the module's logger has been checked already.
 
     Yields
     ------
@@ -653,9 +658,18 @@ def oddities(
     if evidence is None:
         return
     odd, off = suspected(inputs, evidence, limits)
-    if odd := odd or (off and of_hours(off)):
+    if odd:
         yield odd.what
         return
+    if off or not timed:
+        off = off or module_lag(inputs, limits)
+        if off and abs(off.late) >= HOUR:
+            late = of_hours(off)
+            yield (
+                f"{late.what}, which a fit takes for a part of its time constant or "
+                f"capacity. {late.remedy}; if they are of two files, give --tz for each"
+            )
+            return
     if evidence.hot > RANGES["temp_air"].most:
         yield (
             f"temp_air is above {evidence.hot:.0f} °C in 1 % of the rows, which few "

@@ -389,6 +389,21 @@ def test_a_calm_night_at_zero_is_measured(step, places):
     assert near > 50
 
 
+@pytest.mark.parametrize("late", [-1, 1, 2])
+@pytest.mark.parametrize("step", [300, 1800])
+def test_a_fit_says_that_the_clock_of_the_module_is_hours_off(tmp_path, late, step):
+    """It takes an hour for a capacity of ten times the module's own."""
+    data = datasets.synthetic(12, step, seed=2)
+    data["temp_module"] = data["temp_module"].shift(late * 3600 // step)
+    data.to_parquet(tmp_path / "record.parquet")
+    notes = fit(data).notes
+    (note,) = [n for n in notes if "timestamps of temp_module run" in n]
+    assert f"run {abs(late)} h" in note and "give the record to close_loop" in note
+    assert f"{'Subtract' if late > 0 else 'Add'} {abs(late)} h" in note
+    assert note in fem.fit_fem(tmp_path, model="faiman").notes
+    assert note in fem.screen_record(data).notes
+
+
 # sensors that are stuck
 
 
