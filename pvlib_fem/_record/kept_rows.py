@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
+from pvlib_fem._record.file_times import of_numbers
 from pvlib_fem._spelling import did_you_mean
 
 if TYPE_CHECKING:
@@ -67,12 +68,14 @@ def with_good_rows(
     Returns
     -------
     DataFrame
+        Without text in the other rows a column may be one of numbers.
 
     Raises
     ------
     ValueError
         If no row remains.
     """
+    whole = data
     for column, words in pairs_of(keep).items():
         if column not in data:
             continue
@@ -89,7 +92,7 @@ def with_good_rows(
             f"rows whose {column!r} is not {either}, left out: {(~good).sum():,}"
         )
         data = data[good]
-    return data
+    return data if data is whole else of_numbers(data)
 
 
 def ungraded(data: pd.DataFrame, layout: "Layout") -> Iterator[str]:

@@ -4,6 +4,7 @@ from typing import Any
 
 import pandas as pd
 
+from pvlib_fem._record.numbers import mostly_numbers
 from pvlib_fem._spelling import did_you_mean
 
 NAME = r"\W*[^\W\d]"  # what is read has a name that begins with a letter
@@ -23,7 +24,8 @@ def wide_table(data: Any, tag: Any, value: Any, times: Any) -> pd.DataFrame:
     tag, value : str
         Columns of the name of what is read, and of the reading.
     times : sequence of str
-        Columns of the times; of an empty one the first column of ``data``.
+        Columns of the times; of an empty one the first column of ``data`` that is
+        neither the tag nor the value.
 
     Returns
     -------
@@ -34,8 +36,8 @@ def wide_table(data: Any, tag: Any, value: Any, times: Any) -> pd.DataFrame:
     Raises
     ------
     ValueError
-        If a column is not there, a tag has two readings at a time, or the tags have
-        times of their own.
+        If a column is not there, or is one of the times, too, a tag has two readings
+        at a time, or the tags have times of their own.
     """
     for name in (tag, value):
         if name not in data:
@@ -44,7 +46,12 @@ def wide_table(data: Any, tag: Any, value: Any, times: Any) -> pd.DataFrame:
                 f"{did_you_mean(name, data.columns)}; there are "
                 f"{', '.join(map(str, data.columns))}"
             )
-    times = list(times) or [data.columns[0]]
+        if name in times:
+            raise ValueError(
+                f"column {name!r} is given for the times, and for the tags or their "
+                "values, too; give --time COLUMN, --tag COLUMN and --value COLUMN"
+            )
+    times = list(times) or [name for name in data if name not in (tag, value)][:1]
     readings = data[[*times, tag, value]].dropna(subset=[tag])
     if (twice := readings.duplicated([*times, tag])).any():
         first = readings[twice].iloc[0]
@@ -82,8 +89,8 @@ def tag_and_value(data: pd.DataFrame, times: list) -> Any:
     (str, str) or None
         Columns of the names of quantities, and of the readings; None of another table.
     """
-    kinds, others = pd.api.types, [c for c in data if c not in times]
-    numeric = [c for c in others if kinds.is_numeric_dtype(data[c])]
+    others = [c for c in data if c not in times]
+    numeric = [c for c in others if mostly_numbers(data[c])]
     for column in others:
         if column in numeric or data[column].isna().any():
             continue

@@ -24,6 +24,26 @@ MARKED = re.compile(r"[+-]?\d+(?:[.,]\d+)?\s*[^\w\s.,:/%°-]")
 SPACES = r"[ \u00a0\u202f]"  # also those at which no line breaks
 
 
+def mostly_numbers(column: Any) -> bool:
+    """
+    Whether a column holds numbers, perhaps with text for missing ones.
+
+    Parameters
+    ----------
+    column : Series
+
+    Returns
+    -------
+    bool
+        False of times.
+    """
+    kinds = pd.api.types
+    if kinds.is_object_dtype(column) or kinds.is_string_dtype(column):
+        there = pd.to_numeric(column, errors="coerce").notna().sum()
+        return there > MOSTLY * column.notna().sum()
+    return kinds.is_numeric_dtype(column)
+
+
 def grouped_number(thousands: str, decimal: str) -> re.Pattern[str]:
     """The form of a number with a sign between its thousands."""
     sign = SPACES if thousands == " " else re.escape(thousands)

@@ -181,16 +181,24 @@ def test_readings_that_are_not_good_and_times_of_their_own_are_told(plant, tmp_p
         fem.read_file(path, tag="Tag", value="Value")
     with pytest.raises(ValueError, match="no column 'Point' to make columns of"):
         fem.read_file(path, tag="Point", value="Value")
+    with pytest.raises(ValueError, match="'Tag' is given for the times, and for the"):
+        fem.read_file(path, tag="Tag", value="Value", time="Tag")
 
 
-@pytest.mark.parametrize(("good", "bad"), [("Good", "Bad"), (192, 0)])
-def test_readings_of_bad_quality_are_left_out(good, bad, plant, tmp_path):
+@pytest.mark.parametrize("first", ["Timestamp", "Tag"])
+@pytest.mark.parametrize(
+    ("good", "bad", "instead"), [("Good", "Bad", "I/O Timeout"), (192, 0, 0.0)]
+)
+def test_readings_of_bad_quality_are_left_out(
+    good, bad, instead, first, plant, tmp_path
+):
     """By the proposed command and from Python, as if they were not in the file."""
     historian(plant, path := tmp_path / "plant.csv")
     rows = pd.read_csv(path)
     fails = rows.index % 90 == 0
     rows["Quality"] = np.where(fails, bad, good)
-    rows["Value"] = rows["Value"].mask(fails, 0.0)
+    rows["Value"] = rows["Value"].astype(object).mask(fails, instead)
+    rows = rows[[first, *rows.columns.drop(first)]]
     rows.to_csv(path, index=False)
     words = proposed(call("modules", path, "--guess"))
     assert words[words.index("--keep") + 1] == f"Quality={good}"
