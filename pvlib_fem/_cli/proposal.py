@@ -17,13 +17,14 @@ from pvlib_fem._fitting.stand_ins import SERVED
 from pvlib_fem._record.column_names import (
     COLUMNS,
     ROTATION,
+    numeric,
     of_several,
     twin_of,
     with_aliases,
 )
 from pvlib_fem._record.guess import Guess, guess
 from pvlib_fem._record.header_units import QUANTITIES, ForeignUnit, named_unit
-from pvlib_fem._record.inputs import as_record
+from pvlib_fem._record.inputs import Columns, as_record
 from pvlib_fem._record.layout import Layout
 from pvlib_fem._record.logger_files import frame
 from pvlib_fem._sensors.compare_sensors import FEWEST
@@ -31,7 +32,7 @@ from pvlib_fem._sensors.sensor_errors import is_sensor
 from pvlib_fem._spelling import refusal
 from pvlib_fem.drivers._mounts import ANGLES
 from pvlib_fem.quality._screen import screened
-from pvlib_fem.quality._unit_checks import unit_of_driver
+from pvlib_fem.quality._unit_checks import doubtful, unit_of_driver
 
 COMMANDLINE = ParameterSource.COMMANDLINE
 #: what loggers call horizontal irradiance
@@ -144,6 +145,9 @@ def proposal(
             check["module_area"] = 1.0
         data = frame(files, guessed.layouts, guessed.columns, **check)
         check_columns(data, needed)
+        arrays = {n: column.to_numpy() for n, column in numeric(data).items()}
+        doubts = doubtful(Columns(arrays))
+        guessed.doubts += [f"{name} {reason}" for name, reason in doubts.items()]
     line = command(guessed, absent, how, ["--model", "ross"] * calm, level)
     lines = [LOOK, "", f"  {line}", ""]
     lines += [f"- {doubt}" for doubt in guessed.doubts]

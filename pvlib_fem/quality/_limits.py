@@ -127,8 +127,9 @@ class Limits:
         which the sensor's range may end there: weather reaches its extreme once.
         [days]
     max_stuck_chance : float
-        *Stuck.* Largest chance of a repetition that is no accident, by how often the
-        column keeps a value from row to row. [-]
+        *Stuck, units.* Largest chance of a repetition that is no accident, by how often
+        the column keeps a value from row to row; and of rain that falls so seldom from
+        row to row, since a counter alone does. [-]
     response_time : float
         *Stuck, end of range.* Time in which a module has responded to irradiance, five
         time constants. A shorter repetition is no fault, and older rows have no

@@ -7,6 +7,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 import pandas as pd
+from scipy.stats import binom
 
 from pvlib_fem._record.header_units import (
     AMOUNTS,
@@ -208,6 +209,15 @@ def check_direction(seen: np.ndarray, known: Range, limits: Limits) -> str:
 def check_rain(seen: np.ndarray, known: Range, limits: Limits) -> str:
     if (seen < known.least).any():
         return f"is {seen.min():.3g} at least; a counter needs its resets taken out"
+    change = np.diff(seen)
+    rises, falls = np.count_nonzero(change > 0), np.count_nonzero(change < 0)
+    # a rate rises and falls, and keeps its value at 0 alone
+    chance = binom.cdf(falls, rises + falls, 0.5)
+    if chance < limits.max_stuck_chance and np.median(change[seen[1:] > 0]) == 0:
+        return (
+            f"rises in {rises:,} rows and falls in {falls:,}, as a counter does; write "
+            "what fell in each step, such as rain.diff().clip(lower=0)"
+        )
     return ""
 
 

@@ -445,6 +445,15 @@ def test_a_wind_that_is_possible_passes_where_its_unit_is_stated(
         assert fit_fem(whole).coefficients["k"] > 0.0
 
 
+def test_a_proposal_says_what_is_odd_of_a_driver(tmp_path):
+    data = datasets.synthetic(10, 600, seed=2).tz_localize(None)
+    tips = np.random.default_rng(0).random(len(data)) < 0.05
+    data.assign(rain=0.2 * np.cumsum(tips)).to_csv(tmp_path / "a.csv")
+    done = call("loop", tmp_path / "a.csv", "--guess")
+    assert "precipitation=rain" in done.output
+    assert "- precipitation rises in" in done.output
+
+
 def test_a_file_in_another_encoding_names_the_option(frame, tmp_path):
     path = tmp_path / "latin.csv"
     named = frame.rename(columns={"temp_air": "T [°C]"})

@@ -458,6 +458,22 @@ def test_a_driver_in_another_unit_is_doubted(column, change, reason):
     assert reason in found.faults[f"units:{column}"]
 
 
+@pytest.mark.parametrize("step", [60, 600, 3600])
+@pytest.mark.parametrize("places", [1, 3])
+def test_a_counter_of_rain_is_told_from_rain(step, places):
+    """Also with a reset each night, if rows are short of an hour."""
+    data = fem.simulator.record(days=150 if step > 60 else 60, step=step)
+    rain = data["precipitation"].round(places)
+    hourly = rain.resample("h").mean().reindex(rain.index, method="ffill")
+    for sound in (rain, hourly, rain.iloc[::-1].reset_index(drop=True)):
+        assert doubtful({"precipitation": sound}) == {}
+    amount = rain * step / 3600.0
+    counters = [amount.cumsum(), amount.groupby(amount.index.date).cumsum()]
+    for counter in counters[: 1 + (step < 3600)]:
+        (reason,) = doubtful({"precipitation": counter}).values()
+        assert "as a counter does; write what fell in each step" in reason
+
+
 def test_kelvin_is_refused_or_doubted():
     """The four columns are physically impossible in kelvin, others are doubted."""
     data = simulated({}, 10)
