@@ -115,7 +115,11 @@ def off_rows(column: pd.Series, time_format: str) -> float:
     for text in (column.iloc[:FEW].dropna(), column.dropna()):
         if text.empty or not text.map(lambda cell: isinstance(cell, str)).all():
             return 0.0
-        if (read := parsed_times(text, time_format)).isna().any():
+        try:
+            read = parsed_times(text, time_format)
+        except ValueError:  # of letters that are no zone's
+            return 0.0
+        if read.isna().any():
             return 0.0
     own = pd.DatetimeIndex(text.index).tz_localize(None)
     off: Any = pd.DatetimeIndex(read).tz_localize(None) - own

@@ -25,6 +25,7 @@ from pvlib_fem._record.time_formats import (
     HOURS as ZONES,
     ISO,
     SEVERAL,
+    SUMMER,
     last_letters,
     without_letters,
     zones_of,
@@ -164,9 +165,11 @@ def formats(columns: pd.DataFrame, tz: str | None = None) -> list:
         return []
     column = joined_times(some)
     first = column.iloc[:FIRST].astype(str)
-    zone = ""
+    marked, zone = column.astype(str).map(last_letters) == SUMMER, ""
     if {*map(last_letters, first)} <= {*ZONES, *SEVERAL}:
         zone, tz = " %Z", tz or next(iter(zones_of(column)), None)
+    elif marked.any():
+        zone, tz = " %Z", tz or "UTC"  # no zone changes the format
     elif first.str.contains(OFFSET).all():
         zone = " %z"
     if pd.api.types.is_datetime64_any_dtype(column):
@@ -187,10 +190,10 @@ def formats(columns: pd.DataFrame, tz: str | None = None) -> list:
         dates = [d for d in DATES if parsed_times(first, d, exact=False).notna().all()]
         ways = product(dates, SIGNS, HOURS)
         choices = [ISO, *(f"{date}{sign}{hour}{zone}" for date, sign, hour in ways)]
-    uneven = {}
+    uneven, head = {}, pd.concat([column.iloc[:FIRST], column[marked].iloc[:FIRST]])
     for form in choices:
         try:
-            if parsed_times(column.iloc[:FIRST], form, tz).isna().any():
+            if parsed_times(head, form, tz).isna().any():
                 continue
             read = parsed_times(column, form, tz)
         except (ValueError, TypeError):

@@ -27,6 +27,7 @@ SEVERAL = {
     "CST": ("America/Chicago", "Asia/Shanghai"),
     "IST": ("Asia/Kolkata", "Europe/Dublin", "Asia/Jerusalem"),
 }
+SUMMER = "DST"  # which marks summer time of the zone that the other times are of
 LETTERS = re.compile(r"\b(?!AM\b|PM\b)[A-Z]{3,5}\b")
 DAYS = [datetime(2023, month, 1) for month in (1, 7)]
 
@@ -39,6 +40,12 @@ def names_of(tz: str | None) -> dict[str, float]:
         return {}
     offsets = {time.tzname(): time.utcoffset() or timedelta() for time in times}
     return {name: offset.total_seconds() / 3600.0 for name, offset in offsets.items()}
+
+
+def standard_and_summer(tz: str) -> tuple[float, float]:
+    """Hours before UTC of a zone in winter, and of its summer time."""
+    hours = names_of(tz).values() or [0.0]
+    return min(hours), max(*hours, min(hours) + 1.0 * (len({*hours}) == 1))
 
 
 def zones_of(column: Any) -> list[str]:
@@ -96,13 +103,14 @@ def without_letters(
     time_format : str
         With ``%Z``.
     tz : str, optional
-        The zone that the letters are of.
+        The zone that the letters are of. Of times that DST alone marks, those without
+        letters are its standard time.
 
     Returns
     -------
     text : Series of str
     time_format : str
-        With a space for ``%Z``.
+        With a space for ``%Z``, but none at its ends.
     hours : array, shape (rows,)
         Positive east of Greenwich; NaN where a text has no letters. [h]
 
@@ -114,6 +122,8 @@ def without_letters(
     text = column.astype(str)
     letters = text.map(last_letters)
     known = HOURS | names_of(tz)
+    if tz and SUMMER in {*letters}:
+        known[""], known[SUMMER] = standard_and_summer(tz)
     for row, name in enumerate(letters):
         if name and name not in known:
             raise unknown_letters_error(name, row, time_format)
@@ -122,7 +132,8 @@ def without_letters(
         for one, name in zip(text, letters)
     ]
     hours = letters.map(lambda name: known.get(name, np.nan)).to_numpy(float)
-    return pd.Series(bare, column.index), time_format.replace("%Z", " "), hours
+    text = pd.Series(bare, column.index).str.strip()
+    return text, time_format.replace("%Z", " ").strip(), hours
 
 
 def unknown_letters_error(name: str, row: Any, time_format: str) -> ValueError:
@@ -132,6 +143,11 @@ def unknown_letters_error(name: str, row: Any, time_format: str) -> ValueError:
         return ValueError(
             f"{name} stands for more than one zone in row {row} of the times; give "
             f"{zones}"
+        )
+    if name == SUMMER:
+        return ValueError(
+            f"{name} in row {row} of the times marks the summer time of a zone that "
+            "they do not name; give --tz, such as Europe/Madrid"
         )
     form = time_format.replace("%Z", name)
     return ValueError(

@@ -346,6 +346,23 @@ def test_letters_of_a_zone_are_one_distance_from_utc(case, tmp_path):
     assert call(*words).exit_code == 0
 
 
+@pytest.mark.parametrize("zone", ["Europe/Madrid", "America/New_York"])
+def test_letters_may_mark_summer_time_alone(zone, tmp_path):
+    """As FusionSolar does, with a device in each row."""
+    data = simulator.record(days=60, step=3600, start="2023-03-01", seed=4)
+    data = data[list(COLUMNS)].tz_convert(zone)
+    text = data.index.strftime("%Y-%m-%d %H:%M:%S")
+    text += np.where([bool(time.dst()) for time in data.index], " DST", "")
+    rows = data.set_axis(text).assign(device="EMI-01")
+    rows.to_csv(path := tmp_path / "plant.csv", index_label="time")
+    assert "--tz, such as Europe/Madrid" in call("fit", path, "--guess").output
+    words = proposed(call("fit", path, "--guess", "--tz", zone))
+    form = "%Y-%m-%d %H:%M:%S %Z"
+    assert words[words.index("--time-format") + 1] == form
+    assert (fem.read_file(path, time_format=form, tz=zone).index == data.index).all()
+    assert call(*words).exit_code == 0
+
+
 @pytest.mark.parametrize(
     ("letters", "form", "words"),
     [
