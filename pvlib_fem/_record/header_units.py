@@ -117,8 +117,8 @@ SPELLINGS = {
     "J/cm²": ("j/cm2", "jcm2"),
     "kJ/m²": ("kj/m2", "kjm2"),
     "MJ/m²": ("mj/m2", "mjm2"),
-    "°C": ("°c", "c", "degc", "celsius", "degreesc", "deg.c"),
-    "°F": ("°f", "f", "degf", "fahrenheit", "degreesf", "deg.f"),
+    "°C": ("°c", "℃", "c", "degc", "celsius", "degreesc", "deg.c"),
+    "°F": ("°f", "℉", "f", "degf", "fahrenheit", "degreesf", "deg.f"),
     "K": ("k", "kelvin", "degk"),
     "m/s": ("m/s", "ms", "ms-1", "mps", "m/sec", "meters/second", "metres/second"),
     "km/h": ("km/h", "kmh", "kph", "kmph", "kmh-1", "km/hr", "kilometers/hour"),
@@ -409,7 +409,13 @@ def over_a_span(text: str) -> tuple[str, str, float]:
 def plain_unit(text: str) -> str:
     """A unit without case, spaces and signs that only look."""
     text = text.strip().lower()
-    for sign, letter in (("²", "2"), ("º", "°"), ("⁻¹", "-1"), ("−", "-")):
+    for sign, letter in (
+        ("²", "2"),
+        ("㎡", "m2"),
+        ("º", "°"),
+        ("⁻¹", "-1"),
+        ("−", "-"),
+    ):
         text = text.replace(sign, letter)
     return re.sub(r"[\s^*·]", "", text)
 

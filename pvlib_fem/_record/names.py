@@ -33,38 +33,45 @@ NAMES = {
         r"(irr\w*|g?poa|g)[\s_.-]*(rear|back)(\b|_)|einstr\w*[\s_.-]*rue?ck",
     ),
     "poa_global": (
-        r"^(?!.*temp).*(poa|gti|gpoa|tilt|inclin|plane|modulebene|(^|_)g[\s_.-]*front)",
+        r"^(?!.*temp).*(poa|gti|gpoa|tilt|inclin|plane|modulebene|(^|_)g[\s_.-]*front|"
+        r"^glob_inc$|duzlem\w*[\s_.-]*[iı]s[iı]n|傾斜\w*日射)",
         # and not the temperature of its sensor
         r"^(?!.*temp).*(irr|einstrahl|insol|^g$|^g_?i$|pyran|global|solar_?rad|"
-        r"strahlung|rayonn|ensoleil|eclairement)",
+        r"strahlung|rayonn|ensoleil|eclairement|promieniowan|[iı]s[iı]n[iı]m|日射)",
     ),
     "temp_module": (
         r"(mod(ul\w*)?|pan(el|neau)|array|back(sheet)?|bom|pv|cell|zell)[\s_.-]*(\d+[\s_.-]*)?"
         r"t(?!ilt|ot|yp|ime|rack)|"
         r"t(emp\w*)?[\s_.-]*(mod|pan(el|neau)|array|back|bom|pv|cell|zell)|"
         r"(^|_)t\d+[\s_.-]*(mod|panel|array|back|bom|pv|cell|zell)",
+        # without the marks of ジ and パ, which are accents here
+        r"(panel|modul\w*|hucre)[\s_.-]*s[iı]cakl|(モシュール|ハネル)\w*温度",
         r"^bom[\s_.-]?\d*$|^tc[\s_.-]?\d|^thermoc\w*[\s_.-]*\d*$|^t_?m[\s_.-]?\d*$",
     ),
     "temp_air": (
         r"(amb(ient)?|air|outdoor|dry[\s_-]?bulb|luft|außen|umgebung\w*)[\s_.-]*t|"
-        r"t(emp\w*)?[\s_.-]*(amb|air|aria|out|ext|ester|dry|luft|außen|umg|2m)",
+        r"t(emp\w*)?[\s_.-]*(amb|air|aria|out|ext|ester|dry|luft|außen|umg|2m|otocz|"
+        r"powietrz)|(ortam|hava)\w*[\s_.-]*s[iı]cakl|^(外)?気温",
         r"^ta(\b|_)|^t_?a$",
         r"^t(emp[a-z]*)?[\s_.-]*\d*(\b|_)",
     ),
     "wind_direction": (
         r"(wind|(^|[\W_])w)[\s_.-]*d(ir|\b|_|\d)|wind\w*richt|^wr(\b|_)|"
-        r"dire[cz]\w*[\W_].*(vi?ent|wind)|wind[\s_.-]*vane",
+        r"dire[cz]\w*[\W_].*(vi?ent|wind)|wind[\s_.-]*vane|kierun\w*[\s_.-]*wiatr|"
+        r"ruzgar\w*[\s_.-]*yon|風向",
     ),
     "wind_speed": tuple(
         rf"^(?!.*(dire[cz]|richt|(\b|_)dir(\b|_)))({pattern})"
         for pattern in (
             r"(.*wind|(.*[\W_])?w)[\s_.-]*(s(p(ee)?d)?|vel\w*)(\b|_|\d)|"
-            r".*wind\w*geschw|v_?w(ind)?(\b|_)|.*vel\w*[\s_.-]*(w|(del |do )?vi?ento)",
+            r".*wind\w*geschw|v_?w(ind)?(\b|_)|.*vel\w*[\s_.-]*(w|(del |do )?vi?ento)|"
+            r".*predk\w*[\s_.-]*wiatr|.*ruzgar\w*[\s_.-]*h[iı]z|.*風速|ff$",
             r"wind|.*anemom|.*vi?ento|(.*(\b|_))?vent(\b|_)|v$",
         )
     ),
     "relative_humidity": (
-        r"(^|[\W_])r_?h(\b|_|\d)|rel\w*[\s_.-]*hum|humid|^hum(\b|_)|feucht|^hr$|^rf$",
+        r"(^|[\W_])r_?h(\b|_|\d)|rel\w*[\s_.-]*hum|humid|^hum(\b|_)|feucht|^hr$|^rf$|"
+        r"wilgotn|bag[iı]l[\s_.-]*nem|湿度",
     ),
     "longwave_down": (r"long[\s_-]?wave|^lw|pyrgeo|^dlr|^ir_?down|infrared",),
     "precipitation": (
@@ -93,6 +100,7 @@ DRIVERS = tuple(name for name in NAMES if name not in COLUMNS)
 PLACE = re.compile(r"^((met|meteo|weather|wx|env|station|site)\d*[\s_./-]+)+")
 NOT = re.compile(
     r"std|stdev|(\b|_)(min|max|sd\d*|mv|daily|cum\w*)(\b|_)|gust|ghi|dni|dhi|horiz|"
+    r"poziom|yatay|水平|全天|"
     r"diffus|dire[ck]?t+(?!ion)|beam|clear|status|flag|albedo|dew|chill|wet[\s_-]?bulb|azimuth|"
     r"(tracker|axis|module|panel|array|surface)[\s_.-]*tilt|tilt[\s_.-]*(angle|deg)|^tilt$",
     re.IGNORECASE,

@@ -257,6 +257,8 @@ def test_a_header_that_names_a_unit_is_believed_by_choice_only(raw, tmp_path):
         ("wind_speed", "wind_speed", None),
         ("temp_air", "Tamb [°F]", "°F"),
         ("wind_speed", "WS (miles/hour)", "mph"),
+        ("temp_air", "気温(℃)", "°C"),
+        ("poa_global", "Irradiancia(W/㎡)", "W/m²"),
         ("temp_air", "Temp_C_Avg", "°C"),
         ("temp_air", "Temp_C_Avg_Deg F", "°F"),
         ("temp_air", "T (module) [degC]", "°C"),
