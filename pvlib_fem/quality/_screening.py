@@ -273,13 +273,16 @@ class Screener:
             return
         if not any(one.low <= 0.0 <= one.high for one in temps):
             return
-        sample, margins = self.sampled(), {}
-        usual = 1.0 - self.limits.max_accident_share
-        for name in FASTEST:
-            steps = changes(np.where(sample[name] == 0, np.nan, sample[name]))
+        limits = self.limits
+
+        def margin(name: str) -> float:
+            sample = self.sampled()[name]
+            steps = changes(np.where(sample == 0, np.nan, sample))
+            usual = 1.0 - limits.max_accident_share
             farthest = np.quantile(steps, usual) if len(steps) else np.inf
-            margins[name] = self.limits.temperature_tolerance + farthest
-        rows, times = all_zero_rows(self.clean, margins)
+            return float(limits.temperature_tolerance + farthest)
+
+        rows, times = all_zero_rows(self.clean, [*FASTEST], margin)
         if not len(rows):
             return
         for name, _ in [*self.ruled()]:
