@@ -165,7 +165,7 @@ def range_of(
     It has the errors of the fit and of the law, and the difference from generalised
     least squares: of a model that is right, two estimates agree (Hausman, 1978,
     :doi:`10.2307/1913827`). That of a change also has the difference and the error of
-    its size beside all confounders, and of a trend those over its dates.
+    its size given all confounders, and of a trend those over its dates.
     """
     effect, score = choice.members[name].effect, choice.scores[name]
     law = relative_error(effect, criteria)

@@ -91,7 +91,7 @@ class Choice:
     #: of members that are trends: least and largest size over their dates, relative
     spreads: dict[str, tuple[float, float]] = field(default_factory=dict)
     #: of members that are changes: by how much all confounders alter the size, and the
-    #: standard error that it has beside them
+    #: standard error that it has given these
     confounded: dict[str, tuple[float, float]] = field(default_factory=dict)
     #: the outside among them, the most probable first
     probabilities: dict[str, float] = field(default_factory=dict)
@@ -103,7 +103,7 @@ class Choice:
         return self.score.fall
 
     def relative_error(self, name: str) -> float:
-        """Standard error of a member's size, also beside confounders. [-]"""
+        """Standard error of a member's size, that by confounders included. [-]"""
         score = self.scores[name]
         errors = score.stderr[0], *self.confounded.get(name, ())
         size = max(abs(float(score.estimate[0])), LEAST_Z * float(score.stderr[0]))
@@ -175,7 +175,7 @@ def shown_changes(
     Changes of instruments by which second sensors deviate from them, with their dates.
 
     They are selected as those of the module temperature, from the daily deviation of
-    the two sensors. Which of the two has changed is left to the temperature.
+    the two sensors. The temperature decides which of the two has changed.
 
     Parameters
     ----------
@@ -607,7 +607,7 @@ class Selection:
         self, choice: Choice, given: Sequence[Column]
     ) -> dict[str, tuple[float, float]]:
         """
-        Sizes of the changes of a choice beside all confounders of the catalogue.
+        Sizes of the changes of a choice given all confounders of the catalogue.
 
         Any module may have these, also where they are not material: heat of the ground
         and light from it differ before and after a date, as they do with the season.

@@ -1037,7 +1037,7 @@ def test_what_an_unknown_cause_can_imitate_is_never_identified(name):
 def test_a_date_that_a_second_sensor_shows_is_taken_unless_another_is_better(
     shown, taken
 ):
-    """Its own date costs the temperature a search, which is little beside the step."""
+    """The temperature's own date costs a search, which is little for a clear step."""
     days, hours = clock(300)
     rest = 2.0 * (days >= 200) + noise(np.random.default_rng(5), len(days))
     changing = [CHANGES["module_offset_step"]]

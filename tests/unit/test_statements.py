@@ -332,7 +332,7 @@ def test_an_energy_is_shown_with_two_digits_and_no_exponent(energy, shown):
 
 @pytest.mark.parametrize("room", [2, 4, 6, 8])
 def test_the_first_finding_is_shown_where_it_does_not_fit(room):
-    """Its action is left out before its end is."""
+    """Its action is omitted before its end is."""
     text, action = "The sensor reads less " * 20 + "or more", "a calibration " * 10
     one = Statement("snow", "model", "ambiguous", text, action=action)
     lines = findings([one, one], room)
