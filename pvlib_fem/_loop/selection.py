@@ -622,9 +622,12 @@ class Selection:
         found = {}
         for name, one in choice.members.items():
             if one.effect.sensor_fault:
-                beside, alone = self.score(one, [*given, *further]), choice.scores[name]
-                shift = float(beside.estimate[0] - alone.estimate[0])
-                found[name] = shift, float(beside.stderr[0])
+                columns = [*given, *further, one.change]
+                fit = LeastSquares(design.by_week(columns), 1)
+                (scale,) = design.scales([one.change])
+                shift = fit.estimate[0] / scale - choice.scores[name].estimate[0]
+                error = np.sqrt(fit.covariance[0, 0]) / scale
+                found[name] = float(shift), float(error)
         return found
 
     def spreads(
