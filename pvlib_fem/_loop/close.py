@@ -460,8 +460,9 @@ class Search:
             # before another plane an obstacle has no place
             self.untestable |= dict.fromkeys(names, why)
             closed = closed | {*names}
-        shown = shown_changes(self.references, case.criteria)
-        selection, choices = selected(design, case.criteria, closed, begin, shown)
+        selection, choices = selected(
+            design, case.criteria, closed, begin, self.shown_changes
+        )
         # the design has the hourly means of its columns, which are large
         evidence = replace(evidence, columns={})
         return Round(evidence, selection, tuple(choices), step.coefficients)
@@ -529,6 +530,11 @@ class Search:
     def references(self) -> list[DailyDeviation]:
         """What candidates are compared with."""
         return daily_deviations(self.case)
+
+    @cached_property
+    def shown_changes(self) -> dict[str, Effect]:
+        """Changes that second sensors show, which no round alters."""
+        return shown_changes(self.references, self.case.criteria)
 
     def described(
         self, this: Round, choice: Choice, others: Sequence[Choice]

@@ -150,7 +150,7 @@ class DailyDeviation:
             effect, score = choice.members[name].effect, choice.scores[name]
             estimate = float(score.estimate[0])
             expected[name] = self.expected(effect, estimate, weights, coefficients)
-            slack[name] = float(np.hypot(SLACK, choice.relative_error(name)))
+            slack[name] = float(np.hypot(SLACK, choice.size_error(name)))
         aged = FADES if self.comparison.ages and is_drift(first) else 0.0
         return Shown(size, error, expected, slack, aged)
 

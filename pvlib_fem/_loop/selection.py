@@ -102,7 +102,7 @@ class Choice:
         """Of the mean square on weeks left out in turn, by its best candidate. [K²]"""
         return self.score.fall
 
-    def relative_error(self, name: str) -> float:
+    def size_error(self, name: str) -> float:
         """Standard error of a member's size, that by confounders included. [-]"""
         score = self.scores[name]
         errors = score.stderr[0], *self.confounded.get(name, ())
@@ -192,10 +192,10 @@ def shown_changes(
     limits = replace(criteria, min_rmse_reduction=TINY, min_error_share=TINY)
     shown: dict[str, Effect] = {}
     for one in references:
-        faults = one.comparison.shows
-        changing = [e for e in CHANGES.values() if e.sensor_fault in faults]
         if twin_of(one.column) is None:
             continue
+        faults = one.comparison.shows
+        changing = [e for e in CHANGES.values() if e.sensor_fault in faults]
         always = np.ones(len(one.days))
         # in another plane, a second sensor of light differs with the season
         usual = {str(i): c for i, c in enumerate([always, *one.year(least=1)])}
