@@ -45,10 +45,8 @@ from pvlib_fem._record.names import (
     usual_name,
     without_unit,
 )
-from pvlib_fem._record.numbers import marks_of, thousands_of
+from pvlib_fem._record.numbers import marks_of, mostly_numbers, thousands_of
 from pvlib_fem._record.zone_candidates import zone_of, zone_of_offsets
-
-MOSTLY = 0.5  # share of numbers from which text in a column stands for missing ones
 
 
 @dataclass
@@ -275,10 +273,8 @@ def texts_of_missing(raw: pd.DataFrame, layout: Layout) -> tuple[str, ...]:
     for name, column in raw.items():
         if name in layout.time or pd.api.types.is_numeric_dtype(column):
             continue
-        if pd.api.types.is_datetime64_any_dtype(column):
-            continue
-        numbers = pd.to_numeric(column, errors="coerce")
-        if numbers.notna().sum() > MOSTLY * column.notna().sum():
+        if mostly_numbers(column):
+            numbers = pd.to_numeric(column, errors="coerce")
             bad = column[numbers.isna() & column.notna()].astype(str).unique()
             texts |= dict.fromkeys(bad) if len(bad) <= 3 else {}
     return tuple(texts)
