@@ -35,7 +35,14 @@ from pvlib_fem._loop.progress import stage_reporter
 from pvlib_fem._loop.references import DailyDeviation, daily_deviations
 from pvlib_fem._loop.refits import Fits, Step
 from pvlib_fem._loop.replacements import NOTHING, Replacements
-from pvlib_fem._loop.selection import MOST, Choice, Selection, selected, shown_changes
+from pvlib_fem._loop.selection import (
+    MOST,
+    Choice,
+    Selection,
+    ShownChange,
+    selected,
+    shown_changes,
+)
 from pvlib_fem._loop.tangents import Evidence
 from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._record.checks import dates_of
@@ -532,8 +539,8 @@ class Search:
         return daily_deviations(self.case)
 
     @cached_property
-    def shown_changes(self) -> dict[str, Effect]:
-        """Changes that second sensors show, which no round alters."""
+    def shown_changes(self) -> dict[str, ShownChange]:
+        """Changes that second sensors and power show, which no round alters."""
         return shown_changes(self.references, self.case.criteria)
 
     def described(

@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._record.column_names import is_power, twin_of
+from pvlib_fem.effects._instruments import MORE_LIGHT
 from pvlib_fem.power import GAMMA
 
 BRIGHT = 200.0  # W/m², above which light is compared
@@ -20,6 +21,8 @@ BREEZE = 1.0  # m/s, above which wind is
 SLACK = 0.15  # of what is expected: a thermal coefficient is no better than that
 FEWEST_DAYS = 40  # on which both are there
 FEWEST_CLEAR = 20  # clear days, since most of the noise is in the others
+#: deviation of light, as a log ratio, by the largest change that a sensor can have
+MOST_LIGHT = float(np.log1p(MORE_LIGHT.upper))
 HAZE = 0.02  # of a clear sky's light, from year to year: aerosol and water [-]
 WINDINESS = 0.1  # of the mean wind, from season to season and from year to year [-]
 SKY, USUAL_WIND = "clear sky", "usual wind"  # no names of columns
@@ -56,6 +59,7 @@ class Comparison:
     unit: str = "-"
     ages: bool = False  # whether it fades by itself
     wanders: float = 0.0  # by how much it differs from year to year by itself
+    most: float = np.inf  # deviation that a change within its bounds can make
     fewest: int = FEWEST_DAYS
     module: bool = False  # whether the module's temperature is in it
 
@@ -171,6 +175,7 @@ COMPARISONS = (
         log_ratio,
         LIGHT | OWN_LIGHT | STUCK,
         ages=True,
+        most=MOST_LIGHT,
         module=True,
     ),
     Comparison(

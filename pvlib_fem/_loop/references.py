@@ -262,7 +262,7 @@ def daily_deviation(
         return None
     sums = [np.bincount(place, column[kept]) for column in (one, other)]
     deviation = comparison.differ(sums[0], sums[1])
-    near = usual_days(deviation)
+    near = usual_days(deviation, comparison.most)
     if near.sum() < comparison.fewest:
         return None
 
@@ -285,12 +285,13 @@ def kind(effect: Effect) -> str:
     return effect.sensor_fault or effect.name
 
 
-def usual_days(values: np.ndarray) -> np.ndarray:
+def usual_days(values: np.ndarray, most: float = np.inf) -> np.ndarray:
     """
     Days that are near most others, or near those around them.
 
     What changes for a while stays, however sharp the comparison is, and snow, whose
-    days differ from each other, goes.
+    days differ from each other, goes. So does what is further from the median than
+    ``most``, as days on which snow or an outage leaves hardly any power.
     """
     known = np.isfinite(values)
     if known.sum() <= NEIGHBOURS:
@@ -304,4 +305,5 @@ def usual_days(values: np.ndarray) -> np.ndarray:
     away = np.minimum(np.abs(there - middle), np.abs(there - around))
     kept = known.copy()
     kept[known] = away <= OUTLIER * max(high - low, 1e-9)
+    kept[known] &= np.abs(there - middle) <= most
     return kept

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from pvlib_fem._loop.dictionary import (
 )
 from pvlib_fem._loop.noise import random_effects
 from pvlib_fem._loop.posterior import posterior
-from pvlib_fem._record.column_names import twin_of
+from pvlib_fem._record.column_names import is_power, twin_of
 from pvlib_fem._statistics.extremes import ALIKE, largest_first
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
@@ -138,7 +138,7 @@ def selected(
     criteria: Criteria,
     closed: frozenset[str],
     begin: Sequence[Choice],
-    shown: Mapping[str, Effect],
+    shown: Mapping[str, "ShownChange"],
 ) -> tuple["Selection", list[Choice]]:
     """
     A selection and its choices, given the noise that remains.
@@ -151,8 +151,8 @@ def selected(
         Names that are not to be taken.
     begin : sequence of Choice
         Choices from which the selection begins, perhaps of another design.
-    shown : dict of Effect
-        Changes that a second sensor shows, by name.
+    shown : dict of ShownChange
+        Changes that a second sensor or power shows, by name.
 
     Returns
     -------
@@ -168,14 +168,24 @@ def selected(
     return selection, choices
 
 
+class ShownChange(NamedTuple):
+    """A change with its dates, by which a reference deviates from an instrument."""
+
+    effect: Effect
+    #: logarithm of the odds that it is the instrument that has changed
+    log_odds: float
+
+
 def shown_changes(
     references: Iterable["DailyDeviation"], criteria: Criteria
-) -> dict[str, Effect]:
+) -> dict[str, ShownChange]:
     """
-    Changes of instruments by which second sensors deviate from them, with their dates.
+    Changes by which second sensors and power deviate from instruments, with dates.
 
     They are selected as those of the module temperature, from the daily deviation of
-    the two sensors. The temperature decides which of the two has changed.
+    the two. The temperature decides which of the two has changed. The odds of a second
+    sensor are even. A plant's power also changes by its modules and inverters, so that
+    the odds are those of any effect.
 
     Parameters
     ----------
@@ -186,13 +196,17 @@ def shown_changes(
 
     Returns
     -------
-    dict of Effect
+    dict of ShownChange
         By name.
     """
     limits = replace(criteria, min_rmse_reduction=TINY, min_error_share=TINY)
-    shown: dict[str, Effect] = {}
+    shown: dict[str, ShownChange] = {}
     for one in references:
-        if twin_of(one.column) is None:
+        if twin_of(one.column) is not None:
+            odds = 0.0
+        elif is_power(one.column):
+            odds = float(np.log(criteria.prior_odds))
+        else:
             continue
         faults = one.comparison.shows
         changing = [e for e in CHANGES.values() if e.sensor_fault in faults]
@@ -201,7 +215,8 @@ def shown_changes(
         usual = {str(i): c for i, c in enumerate([always, *one.year(least=1)])}
         design = Design.of_columns(one.apart, usual, always, one.days, changing)
         for choice in Selection(design, limits).run():
-            shown.setdefault(choice.top.name, choice.top.effect)
+            change = ShownChange(choice.top.effect, odds)
+            shown.setdefault(choice.top.name, change)
     return shown
 
 
@@ -228,8 +243,8 @@ class Selection:
     closed: frozenset[str] = frozenset()  # names that are not to be taken
     #: random effects, by which the certainty is computed
     noise: tuple[Table, ...] = ()
-    #: changes that a second sensor shows, by name
-    shown: Mapping[str, Effect] = field(default_factory=dict)
+    #: changes that a second sensor or power shows, by name
+    shown: Mapping[str, ShownChange] = field(default_factory=dict)
     #: candidates given some columns, and what each explains
     known: dict[frozenset[Column], list[Candidate]] = field(default_factory=dict)
     scores: dict[tuple, Score] = field(default_factory=dict)
@@ -410,15 +425,11 @@ class Selection:
         return found
 
     def shown_candidates(self) -> Iterator[Candidate]:
-        """
-        Changes at the dates that a second sensor shows.
-
-        Either of the two sensors may have changed, so that the odds are even.
-        """
+        """Changes at the dates that a second sensor or power shows."""
         prior = float(np.log(self.criteria.prior_odds))
-        for effect in self.shown.values():
+        for effect, odds in self.shown.values():
             if columns := self.design.columns_of(effect):
-                yield Candidate(effect, columns, prior, prior, dates_known=True)
+                yield Candidate(effect, columns, prior, prior - odds, dates_known=True)
 
     def with_same_law(self, candidates: Iterable[Candidate]) -> Iterator[Candidate]:
         """
