@@ -33,7 +33,7 @@ FADES = 0.005  # of power by a module that ages; up to twice as much, or none [1
 MONTH = 4 * WEEK  # days that are one draw of the weather
 YEAR = 365.25  # days, over which weather forgets what it was
 NEIGHBOURS = 4  # compared days before and after one that may be as it is
-OUTLIER = 4.0  # interquartile ranges from the median: snow, a fault, clipped power
+OUTLIER = 4.0  # interquartile ranges by which snow, a fault or clipped power differ
 
 
 @dataclass(frozen=True)
@@ -297,11 +297,13 @@ def usual_days(values: np.ndarray, most: float = np.inf) -> np.ndarray:
     if known.sum() <= NEIGHBOURS:
         return np.zeros(len(values), dtype=bool)
     there = values[known]
-    low, middle, high = np.quantile(there, [0.25, 0.5, 0.75])
+    middle = np.median(there)
     near = sliding_window_view(
         np.pad(there, NEIGHBOURS, mode="reflect"), 2 * NEIGHBOURS + 1
     )
     around = np.median(np.delete(near, NEIGHBOURS, axis=1), axis=1)
+    # from day to day, since a change widens the range of all days
+    low, high = np.quantile(there - around, [0.25, 0.75])
     away = np.minimum(np.abs(there - middle), np.abs(there - around))
     kept = known.copy()
     kept[known] = away <= OUTLIER * max(high - low, 1e-9)

@@ -175,7 +175,7 @@ def deviation_of(column, apart):
     ],
 )
 def test_a_second_sensor_shows_a_change_on_its_day(column, fault, noise):
-    """A step of four times the noise of a day; a season and power show none."""
+    """A step of four times the noise of a day; noise and a season show none."""
     at = int(np.random.default_rng(7).integers(100, 300))
     for seed in range(10):
         days = np.arange(400)
@@ -185,10 +185,24 @@ def test_a_second_sensor_shows_a_change_on_its_day(column, fault, noise):
         assert shown_changes([deviation_of(column, season[:330])], Criteria()) == {}
         stepped = apart - 4.0 * noise * (days >= at)
         (one,) = shown_changes([deviation_of(column, stepped)], Criteria()).values()
-        assert one.name == f"{fault}_step"
-        begin = np.datetime64(19000 + at, "D") - np.datetime64(one.settings["at"])
+        assert one.effect.name == f"{fault}_step"
+        at_day = np.datetime64(one.effect.settings["at"])
+        begin = np.datetime64(19000 + at, "D") - at_day
         assert abs(begin) <= np.timedelta64(1, "D")
-        assert shown_changes([deviation_of("power_ac", stepped)], Criteria()) == {}
+
+
+def test_power_has_worse_odds_than_a_second_sensor():
+    """A plant's power also changes by its modules and inverters."""
+    noise = noise_of(1, np.arange(400), 0.01)
+    stepped = noise - 0.1 * (np.arange(400) >= 150)
+    light, power = (
+        shown_changes([deviation_of(column, stepped)], Criteria()).values()
+        for column in ("poa_global_2", "power_ac")
+    )
+    (light,), (power,) = light, power
+    assert light.effect.settings == power.effect.settings
+    assert light.log_odds == 0.0
+    assert np.exp(power.log_odds) == pytest.approx(Criteria().prior_odds)
 
 
 def noise_of(seed, days, size):
@@ -211,6 +225,30 @@ def test_a_change_that_a_second_sensor_shows_is_a_hint(half_a_year):  # noqa: F8
     (check,) = (c for c in hint.cross_checks if c.effect == hint.effect)
     assert check.outcome is not CheckOutcome.CONTRADICTS
     assert check.size == pytest.approx(np.log(1.03), abs=0.003)
+
+
+def test_a_change_that_power_shows_is_a_hint(half_a_year):  # noqa: F811
+    """It is too small for the module temperature alone."""
+    data, _ = with_change(half_a_year, noise=1.2)
+    data = with_power(data, 0.0)
+    data["poa_global"] /= 1.0 + 0.03 * after(data)
+    names = {"irradiance_sensor_step", "module_irradiance_step"}
+    without = hints_of(data.drop(columns="power_ac"))
+    assert not any(names & {*f.candidates} for f in without)
+    (hint,) = (f for f in hints_of(data) if names & {*f.candidates})
+    assert hint.effect in names and hint.place.startswith("2023-09-15")
+
+
+def test_a_plant_that_loses_a_string_is_no_fault_of_the_sensor(
+    half_a_year,  # noqa: F811
+):
+    """Power is a tenth less from a date on, and the module temperature the same."""
+    data, _ = with_change(half_a_year, noise=1.2)
+    data = with_power(data, 0.0)
+    data["power_ac"] *= 1.0 - 0.1 * after(data)
+    names = {"irradiance_sensor_step", "module_irradiance_step"}
+    found = closed(data).finding_objects
+    assert not any(names & {*f.candidates} for f in found)
 
 
 def hints_of(data):
@@ -433,6 +471,36 @@ def test_what_changes_for_a_while_is_no_outlier_however_sharp_a_comparison():
     assert not kept[70]
     assert kept[snow].sum() <= 2
     assert np.delete(kept, [70, *snow]).mean() > 0.98
+
+
+def test_a_change_hides_no_outliers():
+    """Single days that are ten standard errors off, and a change of two months."""
+    random = np.random.default_rng(0)
+    values = random.normal(0.0, 0.01, 260)
+    values[100:160] -= 0.12
+    odd = np.arange(5, 260, 25)
+    values[odd] -= 0.1 + 0.3 * random.random(len(odd))
+    kept = usual_days(values)
+    assert not kept[odd].any()
+    assert np.delete(kept, odd).mean() > 0.98
+
+
+def test_days_without_power_are_not_compared():
+    """No irradiance sensor reads half or twice of what it is; two thirds can be."""
+    poa = under_clouds()
+    days = (poa.index.normalize() - pd.Timestamp(0)).days.to_numpy()
+    off, changed = (
+        (days >= days[0] + 150) & (days < days[0] + 170),
+        days > days[-1] - 200,
+    )
+    power = poa * np.where(off, 0.05, 1.0) * np.where(changed, 0.65, 1.0)
+    power *= 1.0 + noise_of(3, power, 0.03)
+    warm = np.full(len(poa), 25.0)
+    found = asked(poa, warm / 10.0, power_ac=power.to_numpy(), temp_module=warm)
+    compared = np.unique(days[poa > 200.0])
+    kept = np.isin(compared, found["power_ac"].days)
+    assert not np.isin(days[off], found["power_ac"].days).any()
+    assert kept[~np.isin(compared, days[off])].mean() > 0.98
 
 
 def test_what_differs_from_year_to_year_is_in_the_error():
