@@ -564,8 +564,8 @@ class Search:
         Further single effects that are not in the model, each given all before it.
 
         They are chosen and weighed as those of the model, by lower criteria, so that
-        one cause is one hint, whatever else may be it. What a second sensor shows is a
-        hint of any gain.
+        one cause is one hint, whatever else may be it. What a second sensor or power
+        shows is a hint of any gain.
         """
         limits, least = self.case.criteria, this.selection.least
         further = replace(this.selection, criteria=limits.for_hints)

@@ -29,7 +29,7 @@ class Candidate:
     log_prior: float  # logarithm of its prior odds
     #: hypotheses of dates from which this one was taken, as a logarithm
     log_dates: float = 0.0
-    dates_known: bool = False  # whether a second sensor shows its dates
+    dates_known: bool = False  # whether a second sensor or power shows its dates
 
     @property
     def name(self) -> str:

@@ -416,7 +416,7 @@ class Selection:
     def with_shown(
         self, found: list[Candidate], given: Sequence[Column]
     ) -> list[Candidate]:
-        """Candidates, with those that a second sensor shows instead of worse ones."""
+        """Candidates, with those that a reference shows instead of worse ones."""
         for one in self.shown_candidates():
             same = [one, *(other for other in found if other.name == one.name)]
             shares = [worth_share(other, 1.0 / PROFILE_ERROR) for other in same]
@@ -479,7 +479,7 @@ class Selection:
         return best
 
     def best_shown(self, choices: Sequence[Choice]) -> Choice | None:
-        """A change that a second sensor shows, and the temperature too, or None."""
+        """A change that a reference and the temperature show, or None."""
         given = self.given(choices)
         for one in self.shown_candidates():
             if one.name not in self.closed and one.beyond(given):
