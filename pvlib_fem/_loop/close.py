@@ -557,7 +557,8 @@ class Search:
             size = float(one.scores[one.first].estimate[0])
             effect = by_power(case, effect, size)
         checks = cross_checks(self.references, one, effect, coefficients)
-        return one, effect, finding_of(one, effect, case, selection.least, checks)
+        one = replace(one, cross_checks=checks)
+        return one, effect, finding_of(one, effect, case, selection.least)
 
     def hints(self, this: Round) -> Iterator[tuple[Finding, Effect]]:
         """

@@ -10,7 +10,6 @@ from pvlib_fem._findings import (
     OUTSIDE,
     Check,
     CheckOutcome,
-    CrossCheck,
     Finding,
     Kind,
     Member,
@@ -41,7 +40,6 @@ def finding_of(
     effect: Effect,
     case: "Case",
     floor: float,
-    cross_checks: tuple[CrossCheck, ...],
 ) -> Finding:
     """
     A single effect as a finding, by its credible set.
@@ -49,13 +47,12 @@ def finding_of(
     Parameters
     ----------
     choice : Choice
-        With the probabilities of its members.
+        With the probabilities of its members, and their cross-checks.
     effect : Effect
         The most probable member, with the days between which its date is.
     case : Case
     floor : float
         Fall of the mean square that is material. [K²]
-    cross_checks : tuple of CrossCheck
 
     Returns
     -------
@@ -95,7 +92,7 @@ def finding_of(
         checks.append(check)
     if agree := [
         one.column
-        for one in cross_checks
+        for one in choice.cross_checks
         if one.effect == effect.name and one.outcome is CheckOutcome.AGREES
     ]:
         agreed = because(Reason.CORROBORATED, columns=agree)
@@ -111,7 +108,7 @@ def finding_of(
         checks=tuple(checks),
         kind=Kind.of(effect),
         place=dates_in_words(effect.settings) if is_dated(effect) else "",
-        cross_checks=cross_checks,
+        cross_checks=choice.cross_checks,
         probabilities=choice.probabilities,
         members={
             name: member_of(choice, name, limits)
@@ -165,7 +162,8 @@ def range_of(
     It has the errors of the fit and of the law, and the difference from generalised
     least squares: of a model that is right, two estimates agree (Hausman, 1978,
     :doi:`10.2307/1913827`). That of a change also has the difference and the error of
-    its size given all confounders, and of a trend those over its dates.
+    its size given all confounders, and reaches beyond its size by the surest
+    cross-check; that of a trend beyond its sizes over its dates.
     """
     effect, score = choice.members[name].effect, choice.scores[name]
     law = relative_error(effect, criteria)
@@ -175,7 +173,29 @@ def range_of(
         shift, beside = choice.confounded[name]
         halves += [shift, NINETY * beside]
     ends = [value * one for one in choice.spreads.get(name, ())]
+    ends += size_by_reference(choice, name)
     return range_around(value, halves, effect.rows()[key], ends)
+
+
+def size_by_reference(choice: "Choice", name: str) -> Iterator[float]:
+    """
+    The size of a change by temperature and its surest cross-check, if it has one.
+
+    It is the mean of both, weighted by their variances. A cross-check that contradicts
+    a cause shows no size of it.
+    """
+    shown = [
+        (one.stderr / abs(one.expected), one.size / one.expected)
+        for one in choice.cross_checks
+        if one.effect == name
+        and one.expected
+        and one.outcome is not CheckOutcome.CONTRADICTS
+    ]
+    if shown:
+        error, ratio = min(shown)
+        share = 1.0 / (1.0 + (error / choice.size_error(name)) ** 2)
+        mine = float(choice.scores[name].estimate[0])
+        yield mine * (1.0 + share * (ratio - 1.0))
 
 
 def range_around(

@@ -33,6 +33,7 @@ from pvlib_fem.effects import CHANGES
 from pvlib_fem.effects._effect import Effect
 
 if TYPE_CHECKING:
+    from pvlib_fem._findings import CrossCheck
     from pvlib_fem._loop.references import DailyDeviation
 
 BETTER = 1.02  # times as much as another explains a candidate has to, to replace it
@@ -95,6 +96,7 @@ class Choice:
     confounded: dict[str, tuple[float, float]] = field(default_factory=dict)
     #: the outside among them, the most probable first
     probabilities: dict[str, float] = field(default_factory=dict)
+    cross_checks: tuple["CrossCheck", ...] = ()
     taken: frozenset[str] = frozenset()  # names of other choices
 
     @property
