@@ -187,7 +187,7 @@ if data is not None:
 # How sure is that?
 # -----------------
 # RdTools' interval knows nothing of the error of the correction. The drift has a
-# standard error of 0.13 % a year and a 90 % range of 1.3 to 2.7 % a year, most of it
+# standard error of 0.13 % a year and a 90 % range of 1.2 to 2.7 % a year, most of it
 # the error of the thermal model. The same daily energies with the ends of that range:
 
 if data is not None:

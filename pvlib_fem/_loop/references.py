@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from pvlib_fem._loop.change_sums import UNSEEN
 from pvlib_fem._loop.comparisons import (
     COMPARISONS,
     SKY,
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 FADES = 0.005  # of power by a module that ages; up to twice as much, or none [1/year]
 MONTH = 4 * WEEK  # days that are one draw of the weather
 YEAR = 365.25  # days, over which weather forgets what it was
+DAYS_OFF = 7  # by which the dates of a change may be off, where profiles are compared
 NEIGHBOURS = 4  # compared days before and after one that may be as it is
 OUTLIER = 4.0  # interquartile ranges by which snow, a fault or clipped power differ
 
@@ -110,9 +112,9 @@ class DailyDeviation:
         for same in sensor_faults.values():
             residuals = {}
             for effect in same:
-                weights = weights_of(effect, self.days)
-                if np.ptp(weights) > 0:
-                    residuals[effect.name] = self.along(weights)[2]
+                rest = self.beside(effect)
+                if rest is not None:
+                    residuals[effect.name] = rest
             squares = {name: float(rest @ rest) for name, rest in residuals.items()}
             if len(squares) < 2:
                 continue
@@ -120,6 +122,35 @@ class DailyDeviation:
             draws = 0.5 * independent_months(residuals[best], self.days // MONTH)
             for name, square in squares.items():
                 yield name, draws * float(np.log(squares[best] / square))
+
+    def beside(self, effect: Effect) -> np.ndarray | None:
+        """
+        The residual given a time profile, whose dates may be some days off.
+
+        A sharp reference would refuse a change for its date otherwise. None where it
+        has no days before or after.
+        """
+        begin = self.days[0] - DAYS_OFF
+        calendar = np.arange(begin, self.days[-1] + DAYS_OFF + 1)
+        weights, place = weights_of(effect, calendar), self.days - begin
+        moved = weights[place]
+        if not np.ptp(moved) > 0:
+            return None
+        middle = self.days[moved != 0].mean()
+        basis = np.linalg.qr(np.column_stack(self.usual))[0]
+        rest = self.apart - basis @ (basis.T @ self.apart)
+        offsets = np.arange(-DAYS_OFF, DAYS_OFF + 1)
+        explained = np.zeros(len(rest))
+        for dates in (self.days < middle, self.days >= middle):  # first and last date
+            there = np.where(dates, weights[place - offsets[:, None]], moved)
+            beyond = there - there @ basis @ basis.T
+            squares = np.square(beyond).sum(axis=1)
+            squares[squares <= UNSEEN * np.square(there).sum(axis=1)] = np.inf
+            part = beyond @ rest
+            best = int(np.argmax(part**2 / squares))
+            moved = there[best]
+            explained = beyond[best] * part[best] / squares[best]
+        return rest - explained
 
     def concerned(self, choice: "Choice") -> list[str]:
         """Members of a choice of which it would show something."""

@@ -25,7 +25,7 @@ from pvlib_fem._loop.noise import (
     with_outside,
 )
 from pvlib_fem._loop.posterior import posterior
-from pvlib_fem._loop.selection import OVERLAP, Choice, Selection
+from pvlib_fem._loop.selection import OVERLAP, Choice, Selection, ShownChange
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,
@@ -1043,7 +1043,8 @@ def test_a_date_that_a_second_sensor_shows_is_taken_unless_another_is_better(
     changing = [CHANGES["module_offset_step"]]
     made = design(rest, {"one": np.ones(len(days))}, days, hours, changing)
     effect = changing[0].make(at=str(np.datetime64(START + shown, "D")))
-    selection = Selection(made, CRITERIA, shown={effect.name: effect})
+    shown_change = ShownChange(effect, 0.0)
+    selection = Selection(made, CRITERIA, shown={effect.name: shown_change})
     (top,) = selection.candidates([*made.base])
     assert top.effect.settings["at"] == str(np.datetime64(START + taken, "D"))
     assert top.dates == (shown != taken) and top.dates_known == (shown == taken)
