@@ -22,6 +22,7 @@ from pvlib_fem._loop.selection import Choice, shown_changes
 from pvlib_fem._record.column_names import COLUMNS, is_cross_check, is_power, twin_of
 from pvlib_fem._stored import Stored, as_json
 from pvlib_fem.effects import CHANGES, EFFECTS
+from pvlib_fem.effects._time_profiles import weights_of
 
 
 def with_power(data, step, **more):
@@ -163,6 +164,38 @@ def deviation_of(column, apart):
     days = 19000 + np.arange(len(apart))
     comparison = next(one for one in COMPARISONS if one.serves(column))
     return DailyDeviation(comparison, column, days, apart, lambda effect, size: days)
+
+
+@pytest.mark.parametrize("off", [-6, -1, 0, 4, 30])
+def test_a_sharp_reference_refuses_no_change_for_a_date_some_days_off(off):
+    """A step of ten times the noise; a month is no error of a date."""
+    days = 19000 + np.arange(400)
+    light = next(one for one in COMPARISONS if one.serves("poa_global_2"))
+    noise = noise_of(4, days, 0.01)
+
+    def squares(apart, profile, **dates):
+        reference = DailyDeviation(light, "poa_global_2", days, apart, None)
+        dates = {n: str(np.datetime64(19000 + d, "D")) for n, d in dates.items()}
+        effect = CHANGES[f"irradiance_sensor_{profile}"].make(**dates)
+        whole = reference.along(weights_of(effect, days))[2]
+        return float(whole @ whole), float(np.square(reference.beside(effect)).sum())
+
+    step = noise - 0.1 * (days >= 19200)
+    best, _ = squares(step, "step", at=200)
+    whole, rest = squares(step, "step", at=200 + off)
+    if abs(off) <= 7:
+        assert rest == pytest.approx(best, rel=0.01)
+        assert not off or whole > 1.1 * rest
+    else:
+        assert rest > 2.0 * best
+    # each of the two dates of a temporary change has an error of its own
+    episode = noise - 0.1 * ((days >= 19200) & (days < 19260))
+    best, _ = squares(episode, "episode", start=200, end=260)
+    _, rest = squares(episode, "episode", start=200 + off, end=260 - off // 2)
+    if abs(off) <= 7:
+        assert rest == pytest.approx(best, rel=0.01)
+    else:
+        assert rest > 1.5 * best
 
 
 @pytest.mark.parametrize(

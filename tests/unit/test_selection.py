@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 from scipy.stats import binomtest, f as fdistribution
 
 from pvlib_fem import Criteria, close_loop, simulator
-from pvlib_fem._findings import OUTSIDE
+from pvlib_fem._findings import OUTSIDE, CheckOutcome, CrossCheck
 from pvlib_fem._loop.change_dates import Scan
 from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.conclude import range_around, range_of
@@ -319,6 +319,38 @@ def test_a_range_is_wider_where_two_estimates_differ():
     apart = replace(best, scores={name: replace(score, seen=score.seen - 1.0)})
     low, high = range_of(key, value, error, apart, name, CRITERIA)
     assert low < value - 1.0 < value + 1.0 < high
+
+
+def test_a_range_reaches_the_size_that_a_sure_cross_check_shows():
+    """It shows half as much again; an unsure one, or one that contradicts, nothing."""
+    random, (days, hours) = np.random.default_rng(3), clock(365)
+    rest = 2.0 * (days >= 180) + noise(random, len(days))
+    selection = offsets(rest, days, hours)
+    best = selection.weighed(selection.best([]), [])
+    key, name = "module_offset_step.change", best.top.name
+    score = best.scores[name]
+    value, error = score.coefficients[key], score.errors[key]
+
+    def range_by(size, stderr, outcome):
+        check = CrossCheck("temp_module_2", name, size, stderr, -value, outcome, "K")
+        given = replace(best, cross_checks=(check,))
+        return range_of(key, value, error, given, name, CRITERIA)
+
+    alone = range_of(key, value, error, best, name, CRITERIA)
+    for ratio in (0.5, 1.5):
+        sure, unsure, against = (
+            range_by(-ratio * value, *how)
+            for how in (
+                (0.001, CheckOutcome.CANNOT_TELL),
+                (100.0, CheckOutcome.CANNOT_TELL),
+                (0.001, CheckOutcome.CONTRADICTS),
+            )
+        )
+        assert sure[0] < ratio * value < sure[1]
+        far, near = (1, 0) if ratio > 1.0 else (0, 1)
+        assert abs(sure[far] - value) > abs(alone[far] - value)
+        assert sure[near] == alone[near] and against == alone
+        assert unsure == pytest.approx(alone, rel=1e-3)
 
 
 def test_a_range_holds_the_size_of_a_change_beside_a_season_that_is_not_found():
