@@ -98,7 +98,7 @@ def loop_of_search(search: "Search", last: Step, base: str) -> Loop:
         untestable=search.untestable | unseen,
         ranking=ranking,
         fit=fit,
-        notes=(*case.notes, *steps_notes(search)),
+        notes=(*case.notes, *steps_notes(search), *search.reference_faults(more)),
         place=without_rows(case.place),
         residual_before=before.rename("residual"),
         weeks=pd.Series(

@@ -32,6 +32,7 @@ from pvlib_fem._loop.parquet_loop import OwnSteps, in_means
 from pvlib_fem._loop.planes import with_given
 from pvlib_fem._loop.prepare import is_before_the_sun, prepared_case
 from pvlib_fem._loop.progress import stage_reporter
+from pvlib_fem._loop.reference_faults import reference_faults
 from pvlib_fem._loop.references import DailyDeviation, daily_deviations
 from pvlib_fem._loop.refits import Fits, Step
 from pvlib_fem._loop.replacements import NOTHING, Replacements
@@ -539,9 +540,24 @@ class Search:
         return daily_deviations(self.case)
 
     @cached_property
+    def shown(self) -> list[tuple[DailyDeviation, dict[str, ShownChange]]]:
+        """Changes that each reference shows, which no round alters."""
+        limits = self.case.criteria
+        return [(one, shown_changes([one], limits)) for one in self.references]
+
+    @cached_property
     def shown_changes(self) -> dict[str, ShownChange]:
-        """Changes that second sensors and power show, which no round alters."""
-        return shown_changes(self.references, self.case.criteria)
+        """Changes that any reference shows, by name; of several, those of the first."""
+        changes: dict[str, ShownChange] = {}
+        for _, some in self.shown:
+            changes = some | changes
+        return changes
+
+    def reference_faults(self, findings: Iterable[Finding]) -> list[str]:
+        """Second sensors and plants that have changed, and not what they check."""
+        if self.last is None:
+            return []
+        return [*reference_faults(self.last, self.shown, findings)]
 
     def described(
         self, this: Round, choice: Choice, others: Sequence[Choice]

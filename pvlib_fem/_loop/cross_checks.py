@@ -167,7 +167,20 @@ def outcome_of(
     Whether a size is significantly nearer to the expected one than to 0.
 
     A size that is significantly nearer to twice the expected one has another cause, or
-    a further one: it cannot tell. ``slack`` is the relative error of what is expected.
+    a further one: it cannot tell.
+
+    Parameters
+    ----------
+    size, expected : float
+        Deviation along a time profile, and the one that a cause would make.
+    error : float
+        Standard error of the size.
+    slack : float, optional
+        Relative error of what is expected. [-]
+
+    Returns
+    -------
+    CheckOutcome
     """
     if expected == 0.0:
         return CheckOutcome.CANNOT_TELL

@@ -312,7 +312,18 @@ def daily_deviation(
 
 
 def kind(effect: Effect) -> str:
-    """What a comparison knows an effect by."""
+    """
+    What a comparison knows an effect by.
+
+    Parameters
+    ----------
+    effect : Effect
+
+    Returns
+    -------
+    str
+        Its sensor fault; of an effect without one its name.
+    """
     return effect.sensor_fault or effect.name
 
 

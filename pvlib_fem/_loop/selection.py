@@ -428,10 +428,26 @@ class Selection:
 
     def shown_candidates(self) -> Iterator[Candidate]:
         """Changes at the dates that a second sensor or power shows."""
-        prior = float(np.log(self.criteria.prior_odds))
         for effect, odds in self.shown.values():
-            if columns := self.design.columns_of(effect):
-                yield Candidate(effect, columns, prior, prior - odds, dates_known=True)
+            if (one := self.candidate_of(effect, odds)) is not None:
+                yield one
+
+    def candidate_of(self, effect: Effect, odds: float = 0.0) -> Candidate | None:
+        """A change at known dates, with the log odds of it; None without a column."""
+        prior = float(np.log(self.criteria.prior_odds))
+        columns = self.design.columns_of(effect)
+        if not columns:
+            return None
+        return Candidate(effect, columns, prior, prior - odds, dates_known=True)
+
+    def alone(self, effect: Effect, given: Sequence[Column]) -> Choice | None:
+        """A change at known dates as the only member of a choice, or None."""
+        one = self.candidate_of(effect)
+        if one is None or not one.beyond(given):
+            return None
+        score = self.score(one, given)
+        choice = Choice(one, score, {one.name: one}, {one.name: score})
+        return replace(choice, confounded=self.confounded(choice, given))
 
     def with_same_law(self, candidates: Iterable[Candidate]) -> Iterator[Candidate]:
         """

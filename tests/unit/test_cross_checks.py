@@ -280,8 +280,42 @@ def test_a_plant_that_loses_a_string_is_no_fault_of_the_sensor(
     data = with_power(data, 0.0)
     data["power_ac"] *= 1.0 - 0.1 * after(data)
     names = {"irradiance_sensor_step", "module_irradiance_step"}
-    found = closed(data).finding_objects
-    assert not any(names & {*f.candidates} for f in found)
+    loop = closed(data)
+    assert not any(names & {*f.candidates} for f in loop.finding_objects)
+    (note,) = (note for note in loop.notes if note.startswith("power_ac has changed"))
+    assert "2023-09-15 on: at the same irradiance it is 9.9 ± 0.1 % less, but" in note
+    assert "check modules, strings and inverters" in note
+
+
+@pytest.mark.parametrize(
+    ("usual", "second", "words"),
+    [
+        ("poa_global", lambda values, on: values * (1.0 - 0.1 * on), "% more"),
+        ("wind_speed", lambda values, on: values * (1.0 - 0.4 * on), "% more"),
+        ("temp_air", lambda values, on: values - 2.0 * on, "K more"),
+        ("temp_module", lambda values, on: values - 2.0 * on, "K more"),
+    ],
+)
+def test_a_second_sensor_that_changes_is_named(
+    half_a_year,  # noqa: F811
+    usual,
+    second,
+    words,
+):
+    """The module temperature follows the usual one."""
+    data, _ = with_change(half_a_year)
+    noisy = data[usual] * (1.0 + noise_of(2, data[usual], 0.01))
+    named = f"{usual}_2 has changed, from 2023-09-1"
+    still = closed(data.assign(**{f"{usual}_2": noisy}))
+    assert not any("has changed" in note for note in still.notes)
+    loop = closed(data.assign(**{f"{usual}_2": second(noisy, after(data))}))
+    (note,) = (note for note in loop.notes if "has changed" in note)
+    assert note.startswith(named) and words in note.split(", but")[0]
+    assert f"check the sensor of {usual}_2" in note
+    changed = data.assign(
+        **{f"{usual}_2": noisy, usual: second(data[usual], after(data))}
+    )
+    assert not any(named in note for note in closed(changed).notes)
 
 
 def hints_of(data):
