@@ -18,6 +18,10 @@ $(VENV)/.installed: pyproject.toml
 demo: $(VENV)/.installed
 	$(BIN)/pvlib-fem demo
 
+# each of the two workers has one core: more threads would wait for each other
+test test-all: export OMP_NUM_THREADS = 1
+test test-all: export OPENBLAS_NUM_THREADS = 1
+
 # in three minutes on two cores: without tests of years, fleets, studies and pages
 test: $(VENV)/.installed
 	$(BIN)/python -m pytest -m "not slow" --numprocesses=2 --dist=loadfile
