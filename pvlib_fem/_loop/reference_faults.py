@@ -39,8 +39,8 @@ def reference_faults(
     shown : iterable of (DailyDeviation, dict of ShownChange)
         Changes that each reference shows, by name.
     findings : iterable of Finding
-        All, hints among them. What deviates from an instrument that may have a fault
-        by one of these is left out.
+        All, hints among them. If one of these may be a fault of the instrument, the
+        reference is not named.
 
     Yields
     ------
