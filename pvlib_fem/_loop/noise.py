@@ -61,11 +61,10 @@ def prior_of(effect: Effect, outside: float) -> tuple[float, float]:
     """Probability of a cause outside as a rival, and that it looks alike."""
     if effect.unseen_light:  # a reflection onto the modules looks the same
         return REFLECTED, 1.0
-    # heat along a user's column is no law that another cause would break, a wind from
-    # one side brings air of its own, and all that stores heat near the modules makes
-    # them slower, some of it for a season
+    # heat along a user's column is no law that another cause would break, and all that
+    # stores heat near the modules makes them slower, some of it for a season
     slower = effect.sensor_fault == "time_constant"
-    if effect.column or effect.name == "wind_direction" or slower:
+    if effect.column or effect.imitable or slower:
         return outside, 1.0
     dated = effect.sensor_fault or effect.turns  # a fault of one device from a date on
     if dated or (own_columns(effect.drivers) and not effect.confounder):

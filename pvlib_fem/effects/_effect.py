@@ -171,6 +171,8 @@ class Effect:
     unseen_light : bool, default False
         Whether the irradiance sensor shows more or less light than the modules have.
         A reflection onto the modules looks the same.
+    imitable : bool, default False
+        Whether other causes can have its law, although it has a driver of its own.
     """
 
     name: str
@@ -194,6 +196,7 @@ class Effect:
     sensor_fault: str = ""
     dates: Any = None
     unseen_light: bool = False
+    imitable: bool = False
 
     @property
     def forms(self) -> "tuple[Effect, ...]":

@@ -94,7 +94,9 @@ EFFECT = Effect(
         "natural_convection",
         "poa_misalignment",
         "the steady model's coefficients, if soiling is constant",
+        "ground or a roof that is wet and cold after rain, and dries",
     ),
+    imitable=True,  # ground dries, and gets warmer, by the time since rain
     make=soiling_by_rain,
     scan=scan,
     scanned_from=Effect(

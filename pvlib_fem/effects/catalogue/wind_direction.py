@@ -46,4 +46,5 @@ EFFECT = Effect(
         "other weather that a wind from one side brings, such as cold, dry air",
         "the hours of a sea or valley breeze",
     ),
+    imitable=True,  # a wind from one side brings air of its own
 )
