@@ -1056,7 +1056,14 @@ def fitted(columns, values):
 
 
 @pytest.mark.parametrize(
-    "name", ["time_constant_step", "time_constant_episode", "season", "wind_direction"]
+    "name",
+    [
+        "time_constant_step",
+        "time_constant_episode",
+        "season",
+        "wind_direction",
+        "soiling",
+    ],
 )
 def test_what_an_unknown_cause_can_imitate_is_never_identified(name):
     """The cause outside keeps its prior probability as a rival."""
