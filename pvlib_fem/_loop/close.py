@@ -42,7 +42,8 @@ from pvlib_fem._loop.selection import (
     Selection,
     ShownChange,
     selected,
-    shown_changes,
+    shown_by,
+    with_best_odds,
 )
 from pvlib_fem._loop.tangents import Evidence
 from pvlib_fem._loop.threads import one_blas_thread
@@ -543,15 +544,12 @@ class Search:
     def shown(self) -> list[tuple[DailyDeviation, dict[str, ShownChange]]]:
         """Changes that each reference shows, which no round alters."""
         limits = self.case.criteria
-        return [(one, shown_changes([one], limits)) for one in self.references]
+        return [(one, shown_by(one, limits)) for one in self.references]
 
     @cached_property
     def shown_changes(self) -> dict[str, ShownChange]:
-        """Changes that any reference shows, by name; of several, those of the first."""
-        changes: dict[str, ShownChange] = {}
-        for _, some in self.shown:
-            changes = some | changes
-        return changes
+        """Changes that any reference shows, by name."""
+        return with_best_odds(changes for _, changes in self.shown)
 
     def reference_faults(self, findings: Iterable[Finding]) -> list[str]:
         """Second sensors and plants that have changed, and not what they check."""

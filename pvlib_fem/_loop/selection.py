@@ -184,11 +184,6 @@ def shown_changes(
     """
     Changes by which second sensors and power deviate from instruments, with dates.
 
-    They are selected as those of the module temperature, from the daily deviation of
-    the two. The temperature decides which of the two has changed. The odds of a second
-    sensor are even. A plant's power also changes by its modules and inverters, so that
-    the odds are those of any effect.
-
     Parameters
     ----------
     references : iterable of DailyDeviation
@@ -199,27 +194,71 @@ def shown_changes(
     Returns
     -------
     dict of ShownChange
+        By name. If several references show one, it is that with the best odds.
+    """
+    return with_best_odds(shown_by(one, criteria) for one in references)
+
+
+def shown_by(reference: "DailyDeviation", criteria: Criteria) -> dict[str, ShownChange]:
+    """
+    Changes by which a second sensor or power deviates from an instrument, with dates.
+
+    They are selected as those of the module temperature, from the daily deviation of
+    the two. The temperature decides which of the two has changed. The odds of a second
+    sensor are even. A plant's power also changes by its modules and inverters, so that
+    the odds are those of any effect.
+
+    Parameters
+    ----------
+    reference : DailyDeviation
+    criteria : Criteria
+        Of the loop. A change of any size counts.
+
+    Returns
+    -------
+    dict of ShownChange
         By name.
     """
+    if twin_of(reference.column) is not None:
+        odds = 0.0
+    elif is_power(reference.column):
+        odds = float(np.log(criteria.prior_odds))
+    else:
+        return {}
+    faults, days = reference.comparison.shows, reference.days
+    changing = [e for e in CHANGES.values() if e.sensor_fault in faults]
+    always = np.ones(len(days))
+    # in another plane, a second sensor of light differs with the season
+    columns = enumerate([always, *reference.year(least=1)])
+    usual = {str(i): column for i, column in columns}
+    design = Design.of_columns(reference.apart, usual, always, days, changing)
     limits = replace(criteria, min_rmse_reduction=TINY, min_error_share=TINY)
-    shown: dict[str, ShownChange] = {}
-    for one in references:
-        if twin_of(one.column) is not None:
-            odds = 0.0
-        elif is_power(one.column):
-            odds = float(np.log(criteria.prior_odds))
-        else:
-            continue
-        faults = one.comparison.shows
-        changing = [e for e in CHANGES.values() if e.sensor_fault in faults]
-        always = np.ones(len(one.days))
-        # in another plane, a second sensor of light differs with the season
-        usual = {str(i): c for i, c in enumerate([always, *one.year(least=1)])}
-        design = Design.of_columns(one.apart, usual, always, one.days, changing)
-        for choice in Selection(design, limits).run():
-            change = ShownChange(choice.top.effect, odds)
-            shown.setdefault(choice.top.name, change)
-    return shown
+    effects = [choice.top.effect for choice in Selection(design, limits).run()]
+    return {effect.name: ShownChange(effect, odds) for effect in effects}
+
+
+def with_best_odds(
+    shown: Iterable[Mapping[str, ShownChange]],
+) -> dict[str, ShownChange]:
+    """
+    Changes that several references show, each with the best of its odds.
+
+    Parameters
+    ----------
+    shown : iterable of dict of ShownChange
+        By name, of each reference.
+
+    Returns
+    -------
+    dict of ShownChange
+        Of the same odds the first.
+    """
+    best: dict[str, ShownChange] = {}
+    for some in shown:
+        for name, change in some.items():
+            if name not in best or change.log_odds > best[name].log_odds:
+                best[name] = change
+    return best
 
 
 def placed_choices(

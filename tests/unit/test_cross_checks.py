@@ -236,6 +236,9 @@ def test_power_has_worse_odds_than_a_second_sensor():
     assert light.effect.settings == power.effect.settings
     assert light.log_odds == 0.0
     assert np.exp(power.log_odds) == pytest.approx(Criteria().prior_odds)
+    both = [deviation_of(name, stepped) for name in ("power_ac", "poa_global_2")]
+    (one,) = shown_changes(both, Criteria()).values()
+    assert one.log_odds == 0.0
 
 
 def noise_of(seed, days, size):
