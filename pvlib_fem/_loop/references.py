@@ -329,7 +329,7 @@ def kind(effect: Effect) -> str:
 
 def usual_days(values: np.ndarray, most: float = np.inf) -> np.ndarray:
     """
-    Days that are near most others, or near those around them.
+    Days that are near most others, or near those before or after them, but one.
 
     What changes for a while stays, however sharp the comparison is, and snow, whose
     days differ from each other, goes. So does what is further from the median than
@@ -340,14 +340,15 @@ def usual_days(values: np.ndarray, most: float = np.inf) -> np.ndarray:
         return np.zeros(len(values), dtype=bool)
     there = values[known]
     middle = np.median(there)
-    near = sliding_window_view(
-        np.pad(there, NEIGHBOURS, mode="reflect"), 2 * NEIGHBOURS + 1
-    )
-    around = np.median(np.delete(near, NEIGHBOURS, axis=1), axis=1)
+    windows = sliding_window_view(np.pad(there, NEIGHBOURS, mode="reflect"), NEIGHBOURS)
+    sides = windows[: -NEIGHBOURS - 1], windows[NEIGHBOURS + 1 :]  # before and after
     # from day to day, since a change widens the range of all days
-    low, high = np.quantile(there - around, [0.25, 0.75])
-    away = np.minimum(np.abs(there - middle), np.abs(there - around))
+    low, high = np.quantile(there - np.median(np.hstack(sides), axis=1), [0.25, 0.75])
+    far = OUTLIER * max(high - low, 1e-9)
+    # one side is enough: the last day before a step is near no day after it
+    near = [(np.abs(there[:, None] - side) <= far).sum(axis=1) for side in sides]
+    around = np.max(near, axis=0) >= NEIGHBOURS - 1
     kept = known.copy()
-    kept[known] = away <= OUTLIER * max(high - low, 1e-9)
-    kept[known] &= np.abs(there - middle) <= most
+    away = np.abs(there - middle)
+    kept[known] = ((away <= far) | around) & (away <= most)
     return kept

@@ -543,6 +543,14 @@ def test_what_changes_for_a_while_is_no_outlier_however_sharp_a_comparison():
     assert np.delete(kept, [70, *snow]).mean() > 0.98
 
 
+def test_the_days_next_to_a_sharp_step_are_usual():
+    """A step of twenty standard errors would be a day early without the last one."""
+    values = np.random.default_rng(1).normal(0.0, 0.005, 300)
+    for at in (60, 200):
+        changed = values - 0.1 * (np.arange(300) >= at)
+        assert usual_days(changed)[at - 4 : at + 4].all()
+
+
 def test_a_change_hides_no_outliers():
     """Single days that are ten standard errors off, and a change of two months."""
     random = np.random.default_rng(0)
