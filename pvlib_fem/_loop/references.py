@@ -342,12 +342,13 @@ def usual_days(values: np.ndarray, most: float = np.inf) -> np.ndarray:
     middle = np.median(there)
     windows = sliding_window_view(np.pad(there, NEIGHBOURS, mode="reflect"), NEIGHBOURS)
     sides = windows[: -NEIGHBOURS - 1], windows[NEIGHBOURS + 1 :]  # before and after
+    apart = [there[:, None] - side for side in sides]
     # from day to day, since a change widens the range of all days
-    low, high = np.quantile(there - np.median(np.hstack(sides), axis=1), [0.25, 0.75])
+    low, high = np.quantile(apart, [0.25, 0.75])
     far = OUTLIER * max(high - low, 1e-9)
     # one side is enough: the last day before a step is near no day after it
-    near = [(np.abs(there[:, None] - side) <= far).sum(axis=1) for side in sides]
-    around = np.max(near, axis=0) >= NEIGHBOURS - 1
+    near = (np.abs(apart) <= far).sum(axis=2)
+    around = near.max(axis=0) >= NEIGHBOURS - 1
     kept = known.copy()
     away = np.abs(there - middle)
     kept[known] = ((away <= far) | around) & (away <= most)

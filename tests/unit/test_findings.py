@@ -157,6 +157,7 @@ def test_a_candidate_has_the_coefficients_that_the_record_determines():
         scores={effect.name: score},
         spreads={},
         confounded={},
+        cross_checks=(),
     )
     member = member_of(choice, effect.name, Criteria())
     assert member.coefficients == {key: -1.0} and member.stderr == {key: 0.1}
