@@ -294,9 +294,7 @@ def test_a_plant_that_loses_a_string_is_no_fault_of_the_sensor(
     ("usual", "second", "words"),
     [
         ("poa_global", lambda values, on: values * (1.0 - 0.1 * on), "% more"),
-        ("wind_speed", lambda values, on: values * (1.0 - 0.4 * on), "% more"),
         ("temp_air", lambda values, on: values - 2.0 * on, "K more"),
-        ("temp_module", lambda values, on: values - 2.0 * on, "K more"),
     ],
 )
 def test_a_second_sensor_that_changes_is_named(
