@@ -15,6 +15,7 @@ from pvlib_fem._fitting.parquet_fit import given_days, in_files
 from pvlib_fem._fitting.stand_ins import stand_in_names
 from pvlib_fem._former_names import arguments_in_new_names, keys_in_new_names
 from pvlib_fem._loop.assemble import loop_of_search
+from pvlib_fem._loop.choice import Choice
 from pvlib_fem._loop.conclude import check_of_bounds, finding_of, hint_of
 from pvlib_fem._loop.correct_clock import module_clock
 from pvlib_fem._loop.corrected_times import Times
@@ -38,7 +39,6 @@ from pvlib_fem._loop.refits import Fits, Step
 from pvlib_fem._loop.replacements import NOTHING, Replacements
 from pvlib_fem._loop.selection import (
     MOST,
-    Choice,
     Selection,
     ShownChange,
     selected,

@@ -26,10 +26,10 @@ from pvlib_fem.reasons import Because, Reason, because
 
 if TYPE_CHECKING:
     from pvlib_fem._fitting.fem_fit import FemFit
+    from pvlib_fem._loop.choice import Choice, Score
     from pvlib_fem._loop.divided_record import Case
     from pvlib_fem._loop.ranking import Row
     from pvlib_fem._loop.refits import Step
-    from pvlib_fem._loop.selection import Choice, Score
     from pvlib_fem._statistics.tables import Table
 
 NINETY = 1.645  # standard errors in half a range that holds 90 %

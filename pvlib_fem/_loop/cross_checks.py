@@ -18,7 +18,7 @@ from pvlib_fem.effects._time_profiles import (
 )
 
 if TYPE_CHECKING:
-    from pvlib_fem._loop.selection import Choice
+    from pvlib_fem._loop.choice import Choice
 
 HALF = 0.5  # of what is expected: less is nearer to nothing
 SURE = 2.0  # standard errors

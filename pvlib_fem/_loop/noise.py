@@ -29,10 +29,10 @@ from pvlib_fem.effects._instruments import OF_NO_COEFFICIENT
 from pvlib_fem.effects._time_profiles import weights_of
 
 if TYPE_CHECKING:
+    from pvlib_fem._loop.choice import Choice
     from pvlib_fem._loop.criteria import Criteria
     from pvlib_fem._loop.design import Column, Design
     from pvlib_fem._loop.dictionary import Candidate
-    from pvlib_fem._loop.selection import Choice
 
 Kind = tuple[Axis, ...]  # axes of a table
 #: values of cells to the mean of each one's group

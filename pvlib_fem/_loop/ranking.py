@@ -14,8 +14,9 @@ from pvlib_fem.effects._effect import Effect
 from pvlib_fem.reasons import Because, Reason, because
 
 if TYPE_CHECKING:
+    from pvlib_fem._loop.choice import Score
     from pvlib_fem._loop.dictionary import Candidate
-    from pvlib_fem._loop.selection import Score, Selection
+    from pvlib_fem._loop.selection import Selection
 
 POWER = 0.8  # chance to see an effect of the minimum detectable size
 LARGEST = 1e3  # standard errors, beyond which no size would be seen

@@ -27,8 +27,8 @@ from pvlib_fem.effects._time_profiles import is_drift, weights_of
 from pvlib_fem.quality._clearsky import clear_sky
 
 if TYPE_CHECKING:
+    from pvlib_fem._loop.choice import Choice
     from pvlib_fem._loop.divided_record import Case
-    from pvlib_fem._loop.selection import Choice
 
 FADES = 0.005  # of power by a module that ages; up to twice as much, or none [1/year]
 MONTH = 4 * WEEK  # days that are one draw of the weather

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pvlib_fem._findings import OUTSIDE
+from pvlib_fem._loop.choice import Choice
 from pvlib_fem._loop.close import Round
 from pvlib_fem._loop.criteria import HALF
 from pvlib_fem._loop.cross_checks import log_likelihoods
@@ -17,7 +18,6 @@ from pvlib_fem._loop.references import DailyDeviation, daily_deviations
 from pvlib_fem._loop.refits import Step
 from pvlib_fem._loop.selection import (
     OVERLAP,
-    Choice,
     Selection,
     selected,
     shown_changes,

@@ -11,6 +11,7 @@ from scipy.stats import binomtest, f as fdistribution
 from pvlib_fem import Criteria, close_loop, simulator
 from pvlib_fem._findings import OUTSIDE, CheckOutcome, CrossCheck
 from pvlib_fem._loop.change_dates import Scan
+from pvlib_fem._loop.choice import Choice
 from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.conclude import range_around, range_of
 from pvlib_fem._loop.design import Changed, Design
@@ -25,7 +26,7 @@ from pvlib_fem._loop.noise import (
     with_outside,
 )
 from pvlib_fem._loop.posterior import posterior
-from pvlib_fem._loop.selection import OVERLAP, Choice, Selection, ShownChange
+from pvlib_fem._loop.selection import OVERLAP, Selection, ShownChange
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,

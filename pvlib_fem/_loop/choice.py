@@ -1,0 +1,103 @@
+"""A single effect: its best candidate, all that may be it, and how well each fits."""
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from pvlib_fem._findings import CrossCheck
+    from pvlib_fem._loop.dictionary import Candidate
+
+LEAST_Z = 1e-3  # standard errors of a size that is next to nothing
+
+
+@dataclass(frozen=True)
+class Score:
+    """What a candidate explains given others."""
+
+    keys: tuple[str, ...]  # names of its coefficients
+    fall: float  # of the mean square on weeks left out in turn [K²]
+    estimate: np.ndarray  # natural units
+    covariance: np.ndarray
+    probability: float  # that it is there
+    possible: bool  # within its bounds
+    seen: np.ndarray  # estimate by whitened columns
+    null: np.ndarray  # covariance that it would have by accident
+    freedom: float  # of that
+    acting: float  # share of the record on which it acts
+
+    @property
+    def stderr(self) -> np.ndarray:
+        """Standard errors of the coefficients."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def z_score(self) -> float:
+        """Ratio of the first coefficient to its standard error."""
+        return float(np.abs(self.estimate[0]) / self.stderr[0])
+
+    @property
+    def coefficients(self) -> dict[str, float]:
+        """Coefficients by name."""
+        return dict(zip(self.keys, map(float, self.estimate)))
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Standard errors by name."""
+        return dict(zip(self.keys, map(float, self.stderr)))
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """One single effect: its best candidate, and all that may be it."""
+
+    top: "Candidate"
+    score: Score
+    members: dict[str, "Candidate"] = field(default_factory=dict)
+    scores: dict[str, Score] = field(default_factory=dict)
+    weights: dict[str, float] = field(default_factory=dict)  # posterior among members
+    #: of members that are trends: least and largest size over their dates, relative
+    spreads: dict[str, tuple[float, float]] = field(default_factory=dict)
+    #: of members that are changes: by how much all confounders alter the size, and the
+    #: standard error that it has given these
+    confounded: dict[str, tuple[float, float]] = field(default_factory=dict)
+    #: the outside among them, the most probable first
+    probabilities: dict[str, float] = field(default_factory=dict)
+    cross_checks: tuple["CrossCheck", ...] = ()
+    taken: frozenset[str] = frozenset()  # names of other choices
+
+    @property
+    def fall(self) -> float:
+        """Of the mean square on weeks left out in turn, by its best candidate. [K²]"""
+        return self.score.fall
+
+    def size_error(self, name: str) -> float:
+        """Standard error of a member's size, that by confounders included. [-]"""
+        score = self.scores[name]
+        errors = score.stderr[0], *self.confounded.get(name, ())
+        size = max(abs(float(score.estimate[0])), LEAST_Z * float(score.stderr[0]))
+        return float(np.linalg.norm(errors)) / size
+
+    @property
+    def first(self) -> str:
+        """Name of the most probable member that is no other choice."""
+        free = [name for name in self.members if name not in self.taken]
+        return max(free, key=self.probabilities.__getitem__)
+
+    def credible_names(self, probability: float) -> list[str]:
+        """Names of the smallest set, with the outside, that holds a probability."""
+        names, total = [], 0.0
+        for name, share in self.probabilities.items():
+            names.append(name)
+            total += share
+            if total >= probability:
+                break
+        return names
+
+    @property
+    def as_first(self) -> "Choice":
+        """The choice with its most probable member as the best candidate."""
+        return replace(
+            self, top=self.members[self.first], score=self.scores[self.first]
+        )
