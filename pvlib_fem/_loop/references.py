@@ -66,6 +66,16 @@ class DailyDeviation:
         """Daily columns of usual variation."""
         return [np.ones(len(self.days)), *self.year()]
 
+    @cached_property
+    def basis(self) -> np.ndarray:
+        """Orthonormal columns of usual variation."""
+        return np.linalg.qr(np.column_stack(self.usual))[0]
+
+    @cached_property
+    def beyond_usual(self) -> np.ndarray:
+        """The deviation that usual variation does not explain."""
+        return self.apart - self.basis @ (self.basis.T @ self.apart)
+
     def along(
         self,
         weights: np.ndarray,
@@ -137,8 +147,7 @@ class DailyDeviation:
         if not np.ptp(moved) > 0:
             return None
         middle = self.days[moved != 0].mean()
-        basis = np.linalg.qr(np.column_stack(self.usual))[0]
-        rest = self.apart - basis @ (basis.T @ self.apart)
+        basis, rest = self.basis, self.beyond_usual
         offsets = np.arange(-DAYS_OFF, DAYS_OFF + 1)
         explained = np.zeros(len(rest))
         for dates in (self.days < middle, self.days >= middle):  # first and last date
