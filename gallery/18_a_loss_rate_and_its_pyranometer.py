@@ -4,10 +4,11 @@ A loss rate, and the pyranometer that it rests on
 
 `RdTools <https://rdtools.readthedocs.io>`_ divides the energy of a plant by what the
 measured irradiance lets expect, and takes the change from year to year. At Golden this
-says that the plant gains 1.8 % a year. By the module's temperature the loop finds that
-the irradiance sensor fades by 2.0 % a year, and takes that out of the record. With the
-corrected irradiance the plant loses 0.3 % a year. RdTools' clear-sky workflow, which
-needs the sensor only to find clear hours, says 0.0 ± 0.5 % a year.
+says that the plant gains 1.8 % a year. By the module's temperature and by three other
+irradiances the loop finds that the irradiance sensor fades by 1.7 % a year, and takes
+that out of the record. With the corrected irradiance the rate is 0.0 % a year. RdTools'
+clear-sky workflow, which needs the sensor only to find clear hours, says 0.0 ± 0.5 % a
+year.
 """
 
 import matplotlib.pyplot as plt
@@ -178,16 +179,16 @@ if data is not None:
 # %%
 # *Left: normalized energy by the quarter, over its median of 2011. Right: its rate by
 # RdTools.* By the sensor as measured the plant gains 1.8 % a year (1.6 to 2.0), which
-# none does. By the corrected sensor it loses 0.3 % a year (0.1 to 0.5): the correction
-# changes the rate by 2.1 % a year. The clear-sky workflow gives 0.0 % a year (−0.4 to
-# +0.5) with the sensor as measured and 0.0 (−0.4 to +0.5) with the corrected one: it
-# changes the rate by 1.8 % a year. The two changes differ by 0.3 % a year, less than
-# half of the clear sky's interval.
+# none does. By the corrected sensor the rate is 0.0 % a year (−0.2 to +0.2): the
+# correction changes the rate by 1.8 % a year. The clear-sky workflow gives 0.0 % a year
+# (−0.4 to +0.5) with the sensor as measured and 0.0 (−0.4 to +0.5) with the corrected
+# one: it changes the rate by 1.8 % a year. The two changes differ by 0.0 % a year. They
+# are not quite independent, since a clear sky has a part in the size of the drift.
 #
 # How sure is that?
 # -----------------
 # RdTools' interval knows nothing of the error of the correction. The drift has a
-# standard error of 0.13 % a year and a 90 % range of 1.2 to 2.7 % a year, most of it
+# standard error of 0.16 % a year and a 90 % range of 1.2 to 2.2 % a year, most of it
 # the error of the thermal model. The same daily energies with the ends of that range:
 
 if data is not None:
@@ -201,7 +202,7 @@ if data is not None:
         print(f"drift of {100 * size:.2f} % a year: rate {ends[name]:+.2f} % a year")
 
 # %%
-# The corrected rate is then between −0.9 and +0.4 % a year.
+# The corrected rate is then between −0.5 and +0.5 % a year.
 #
 # The file does not say whether its hours are named by their begin, their middle or
 # their end. Above it is the middle. The others turn the plane that the light has, and
@@ -221,10 +222,10 @@ if data is not None:
 
 # %%
 # Named by their end, the clear-sky workflow gives +0.2 % a year (−0.2 to +0.6) with the
-# sensor as measured and 0.0 (−0.5 to +0.6) with the corrected one; named by their begin
-# +0.5 (+0.1 to +0.8) and −0.2 (−0.6 to +0.4). So its choice of clear hours by the
-# fading sensor is worth up to 0.7 % a year. With the corrected sensor its interval
-# holds the corrected rate, −0.3 % a year, for each name of the hours.
+# sensor as measured and −0.1 (−0.6 to +0.4) with the corrected one; named by their
+# begin +0.5 (+0.1 to +0.8) and +0.1 (−0.5 to +0.6). So its choice of clear hours by the
+# fading sensor is worth up to 0.5 % a year. With the corrected sensor its interval
+# holds the corrected rate, 0.0 % a year, for each name of the hours.
 #
 # A straight line is not the course of the sensor: most of its fading is before 2014
 # (:doc:`17_a_pyranometer_that_fades`). So a rate of some years is another than that of
@@ -237,8 +238,8 @@ if data is not None:
 
 # %%
 # In these years the sensor as measured shows a gain of 0.6 % a year (0.3 to 0.7), the
-# corrected one a loss of 1.3 (1.1 to 1.5), and the clear sky a loss of 0.6 (0.1 to 1.4)
-# or, with the corrected sensor, of 1.0 (0.3 to 1.7).
+# corrected one a loss of 1.0 (0.8 to 1.2), and the clear sky a loss of 0.7 (0.1 to 1.5)
+# or, with the corrected sensor, of 0.9 (0.2 to 1.7).
 #
 # What a drifting pyranometer does to a loss rate
 # -----------------------------------------------
@@ -270,14 +271,15 @@ if data is not None:
 # *Rate of the same plant by the drift of its pyranometer. A, B and C are what ISO
 # 9060:2018 lets a pyranometer of that class lose in a year: 0.8, 1.5 and 3 %.* What the
 # sensor loses, the plant seems to gain. A fall of 0.8 % a year, as class A allows,
-# turns a loss of 0.3 % a year into a gain of 0.6. At 3 % a year it is a gain of 3.5,
+# turns a rate of 0.0 % a year into a gain of 0.9. At 3 % a year it is a gain of 3.9,
 # more than one for one, since after eight years the reading is a quarter too low. The
 # interval of the rate does not tell: it is as narrow as without a drift.
 #
 # What this rests on
 # ------------------
-# * The gain that the loop finds is relative to the module. A module that
-#   gives less power gets warmer, so that a part of its own loss is taken for the
-#   sensor's: about a fifth, of an efficiency of 15 % and 90 % of the light absorbed.
+# * The drift by the temperature is relative to the module. A module that gives less
+#   power gets warmer, so that a part of its own loss is taken for the sensor's: about a
+#   fifth, of an efficiency of 15 % and 90 % of the light absorbed. Power itself has no
+#   part in the size of a drift.
 # * Clocks after June 2015 are not sure, as the loop says.
 # * Power is AC, and inverters are in it.

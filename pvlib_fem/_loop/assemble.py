@@ -1,6 +1,6 @@
 """What a search came to, as a finished thing."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -55,6 +55,7 @@ def loop_of_search(search: "Search", last: Step, base: str) -> Loop:
     record = case.placed_for(case.whole, last.model.drivers)
     at_bound, daily = last.at_bound, search.fits.daily(last)
     stderr = search.fits.errors(last, daily, notes)
+    notes += held_notes(search)
     tables = repeatable_tables(search, last)
     patterns = tuple(Pattern.from_table(table, record.index) for table in tables)
     steps = dict(search.steps)
@@ -114,6 +115,17 @@ def loop_of_search(search: "Search", last: Step, base: str) -> Loop:
         hint_effects=tuple(hinted),
         label=case.label,
     )
+
+
+def held_notes(search: "Search") -> Iterator[str]:
+    """Which coefficients references have a part in, so that the fit holds them."""
+    for finding in search.findings:
+        if joint := search.choices[finding.effect].joint(finding.effect):
+            key, *_ = finding.coefficients
+            yield (
+                f"{key} is held: it is the mean of its sizes by temp_module and by "
+                f"{' and '.join(joint.columns)}, weighted by their variances"
+            )
 
 
 def steps_notes(search: "Search") -> list[str]:

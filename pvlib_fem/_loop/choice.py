@@ -1,7 +1,8 @@
 """A single effect: its best candidate, all that may be it, and how well each fits."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -48,6 +49,42 @@ class Score:
         return dict(zip(self.keys, map(float, self.stderr)))
 
 
+@dataclass(frozen=True)
+class SizeByReference:
+    """The size of a change by references, relative to that by the temperature."""
+
+    columns: tuple[str, ...]
+    ratio: float
+    error: float  # standard error of the ratio
+    other: float  # relative standard error of the size by the temperature
+    shows_it: bool  # whether it is of this change, rather than of something else
+
+    @classmethod
+    def of_all(cls, several: Sequence[Self]) -> Self:
+        """The mean of all that are of this change, else the surest of the others."""
+        of_it = [one for one in several if one.shows_it]
+        if not of_it:
+            return min(several, key=lambda one: one.error)
+        weights = np.array([one.error**-2 for one in of_it])
+        return cls(
+            tuple(column for one in of_it for column in one.columns),
+            float(np.average([one.ratio for one in of_it], weights=weights)),
+            float(weights.sum() ** -0.5),
+            of_it[0].other,
+            True,
+        )
+
+    @property
+    def share(self) -> float:
+        """Weight of the references in the mean of all, by their variances."""
+        return self.other**2 / (self.other**2 + self.error**2)
+
+    @property
+    def mean(self) -> float:
+        """The mean of all sizes, relative to that by the temperature."""
+        return 1.0 + self.share * (self.ratio - 1.0)
+
+
 @dataclass(frozen=True, eq=False)
 class Choice:
     """One single effect: its best candidate, and all that may be it."""
@@ -65,6 +102,8 @@ class Choice:
     #: the outside among them, the most probable first
     probabilities: dict[str, float] = field(default_factory=dict)
     cross_checks: tuple["CrossCheck", ...] = ()
+    #: of members that are changes, by references that do not contradict
+    by_reference: dict[str, SizeByReference] = field(default_factory=dict)
     taken: frozenset[str] = frozenset()  # names of other choices
 
     @property
@@ -78,6 +117,40 @@ class Choice:
         errors = score.stderr[0], *self.confounded.get(name, ())
         size = max(abs(float(score.estimate[0])), LEAST_Z * float(score.stderr[0]))
         return float(np.linalg.norm(errors)) / size
+
+    def joint(self, name: str) -> SizeByReference | None:
+        """The size of a member by references that show it, or None."""
+        one = self.by_reference.get(name)
+        return one if one is not None and one.shows_it else None
+
+    def coefficients(self, name: str) -> dict[str, float]:
+        """Coefficients of a member, with the part that references have in its size."""
+        values, joint = self.scores[name].coefficients, self.joint(name)
+        return values if joint is None else {**values, **self.joint_size(name, values)}
+
+    def errors(self, name: str) -> dict[str, float]:
+        """Their standard errors."""
+        score, joint = self.scores[name], self.joint(name)
+        if joint is None:
+            return score.errors
+        parts = (1.0 - joint.share) * self.size_error(name), joint.share * joint.error
+        size = abs(float(score.estimate[0])) * float(np.linalg.norm(parts))
+        return {**score.errors, score.keys[0]: size}
+
+    def joint_size(self, name: str, values: Mapping[str, float]) -> dict[str, float]:
+        """
+        The coefficient that is the size of a member, by temperature and references.
+
+        ``values`` has it by the temperature. Without references that show it there is
+        none.
+        """
+        score, joint = self.scores[name], self.joint(name)
+        if joint is None:
+            return {}
+        key, row = score.keys[0], self.members[name].effect.rows()[score.keys[0]]
+        shown = joint.ratio * float(score.estimate[0])
+        size = values[key] + joint.share * (shown - values[key])
+        return {key: min(max(size, row.lower), row.upper)}
 
     @property
     def first(self) -> str:

@@ -20,7 +20,7 @@ from pvlib_fem._loop.conclude import check_of_bounds, finding_of, hint_of
 from pvlib_fem._loop.correct_clock import module_clock
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.cross_checks import cross_checks, log_likelihoods
+from pvlib_fem._loop.cross_checks import cross_checked, log_likelihoods
 from pvlib_fem._loop.design import Changed
 from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.edge_weeks import by_power, edge_weeks
@@ -528,6 +528,9 @@ class Search:
             if not check.passed:
                 self.refuse(finding, check, why)
                 continue
+            if size := one.joint_size(effect.name, fit.coefficients):
+                model = replace(model, held={**model.held, **size})
+                fit = self.fits.fitted(model, step, size, whole=False)
             step = self.steps[f"+{finding.effect}"] = fit
             self.findings.append(finding)
         if self.findings:
@@ -570,8 +573,7 @@ class Search:
         if effect.turns:
             size = float(one.scores[one.first].estimate[0])
             effect = by_power(case, effect, size)
-        checks = cross_checks(self.references, one, effect, coefficients)
-        one = replace(one, cross_checks=checks)
+        one = cross_checked(self.references, one, effect, coefficients)
         return one, effect, finding_of(one, effect, case, selection.least)
 
     def hints(self, this: Round) -> Iterator[tuple[Finding, Effect]]:

@@ -102,8 +102,8 @@ def finding_of(
         candidates=names,
         verdict=verdict,
         gain=gain,
-        coefficients=score.coefficients,
-        stderr=score.errors,
+        coefficients=choice.coefficients(effect.name),
+        stderr=choice.errors(effect.name),
         because=why,
         checks=tuple(checks),
         kind=Kind.of(effect),
@@ -138,9 +138,9 @@ def too_short(case: "Case") -> tuple[Check, Because]:
 
 def member_of(choice: "Choice", name: str, criteria: Criteria) -> Member:
     """Coefficients and dates of a candidate, instead of the most probable one."""
-    effect, score = choice.members[name].effect, choice.scores[name]
+    effect = choice.members[name].effect
     # a record may not determine all coefficients of an effect
-    values, errors = score.coefficients, score.errors
+    values, errors = choice.coefficients(name), choice.errors(name)
     ranges = {
         key: range_of(key, value, errors[key], choice, name, criteria)
         for key, value in values.items()
@@ -162,40 +162,25 @@ def range_of(
     It has the errors of the fit and of the law, and the difference from generalised
     least squares: of a model that is right, two estimates agree (Hausman, 1978,
     :doi:`10.2307/1913827`). That of a change also has the difference and the error of
-    its size given all confounders, and reaches beyond its size by the surest
-    cross-check; that of a trend beyond its sizes over its dates.
+    its size given all confounders; that of a trend reaches beyond its sizes over its
+    dates. References that show it have a part in the size, so that the errors of the
+    temperature count less. To the mean with one that may show something else the range
+    reaches.
     """
     effect, score = choice.members[name].effect, choice.scores[name]
-    law = relative_error(effect, criteria)
-    other = dict(zip(score.keys, score.seen.tolist()))[key]
-    halves = [NINETY * error, NINETY * law * value, other - value]
-    if name in choice.confounded:
-        shift, beside = choice.confounded[name]
-        halves += [shift, NINETY * beside]
+    law = NINETY * relative_error(effect, criteria) * value
+    at, part, other = score.keys.index(key), 1.0, value
     ends = [value * one for one in choice.spreads.get(name, ())]
-    ends += size_by_reference(choice, name)
+    beside = choice.confounded.get(name)
+    if at == 0 and (shown := choice.by_reference.get(name)):
+        if shown.shows_it:  # the errors by confounders are in that of the size
+            part, other, beside = 1.0 - shown.share, float(score.estimate[0]), None
+        else:
+            ends.append(value * shown.mean)
+    halves = [NINETY * error, law, part * (float(score.seen[at]) - other)]
+    if beside:
+        halves += [beside[0], NINETY * beside[1]]
     return range_around(value, halves, effect.rows()[key], ends)
-
-
-def size_by_reference(choice: "Choice", name: str) -> Iterator[float]:
-    """
-    The size of a change by temperature and its surest cross-check, if it has one.
-
-    It is the mean of both, weighted by their variances. A cross-check that contradicts
-    a cause shows no size of it.
-    """
-    shown = [
-        (one.stderr / abs(one.expected), one.size / one.expected)
-        for one in choice.cross_checks
-        if one.effect == name
-        and one.expected
-        and one.outcome is not CheckOutcome.CONTRADICTS
-    ]
-    if shown:
-        error, ratio = min(shown)
-        share = 1.0 / (1.0 + (error / choice.size_error(name)) ** 2)
-        mine = float(choice.scores[name].estimate[0])
-        yield mine * (1.0 + share * (ratio - 1.0))
 
 
 def range_around(
@@ -243,6 +228,8 @@ def in_the_model(
     """
     values = {key: fit.coefficients[key] for key in finding.coefficients}
     errors = {key: stderr[key] for key in finding.coefficients}
+    for key in choice.joint_size(finding.effect, values):  # which is held
+        errors[key] = choice.errors(finding.effect)[key]
     ranges = {
         key: range_of(key, value, errors[key], choice, finding.effect, criteria)
         for key, value in values.items()

@@ -1,13 +1,14 @@
 """Cross-checks of the candidates of a choice, by how they deviate from references."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pvlib_fem._findings import OUTSIDE, CheckOutcome, CrossCheck
+from pvlib_fem._loop.choice import SizeByReference
 from pvlib_fem._loop.comparisons import SLACK
-from pvlib_fem._loop.noise import density
 from pvlib_fem._loop.references import DailyDeviation, Shown
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import (
@@ -83,17 +84,22 @@ def log_likelihood(shown: Shown, any_size: bool) -> float:
 
     It is that of a deviation of the expected size, or of any size.
     """
-    size = shown.size + shown.aged
-    error = np.hypot(shown.error, shown.aged)
     most = max(abs(value) for value in shown.expected.values())
-    anything = density(shown.size, np.hypot(most, shown.error))
+    anything = shown.likelihood(0.0, most)
     likely = anything
     if not any_size:
         ((name, value),) = shown.expected.items()
-        likely = density(size - value, np.hypot(error, shown.slack[name] * value))
-    nothing = density(size, error)
-    likelihoods = ((1.0 - ODD) * np.array([likely, nothing])) + ODD * anything
+        likely = shown.likelihood(value, shown.slack[name] * value)
+    likelihoods = np.array([likely, shown.likelihood(0.0)])
+    likelihoods = (1.0 - ODD) * likelihoods + ODD * anything
     return float(np.subtract(*np.log(likelihoods)))
+
+
+def shows_it(shown: Shown, name: str) -> bool:
+    """Whether a deviation is rather that of a member than one of any other size."""
+    value = shown.expected[name]
+    likely = shown.likelihood(value, shown.slack[name] * value)
+    return bool((1.0 - ODD) * likely > ODD * shown.likelihood(0.0, value))
 
 
 def compared_along(choice: "Choice") -> Effect | None:
@@ -108,14 +114,14 @@ def compared_along(choice: "Choice") -> Effect | None:
     return next(filter(is_dated, (choice.top.effect, *effects)), None)
 
 
-def cross_checks(
+def cross_checked(
     references: Sequence[DailyDeviation],
     choice: "Choice",
     first: Effect,
     coefficients: Mapping[str, float],
-) -> tuple[CrossCheck, ...]:
+) -> "Choice":
     """
-    What each reference shows along the time profile of the first, by instrument.
+    A choice with what each reference shows along the time profile of the first.
 
     Parameters
     ----------
@@ -129,9 +135,11 @@ def cross_checks(
 
     Returns
     -------
-    tuple of CrossCheck
+    Choice
+        With its cross-checks, and with the sizes of members by references.
     """
     checks: list[CrossCheck] = []
+    sizes: dict[str, list[SizeByReference]] = {}
     for one in references if is_dated(first) else ():
         alike = [
             name
@@ -149,15 +157,22 @@ def cross_checks(
         times = years or 1.0
         told: set[float] = set()
         for name in alike:
-            if (same := round(shown.expected[name], DIGITS)) in told:  # of the same law
-                continue
-            told.add(same)
             value = shown.expected[name] - aged
             error = float(np.hypot(shown.error, aged / SURE))
             outcome = outcome_of(size, value, error, shown.slack[name])
+            # a trend of power may be its own, and is what a record is corrected for
+            if value and not aged and outcome is not CheckOutcome.CONTRADICTS:
+                by_it = one.relative_size(choice, name, first, shown, coefficients)
+                mine = shown.slack[name], shows_it(shown, name)
+                size_by_it = SizeByReference((one.column,), *by_it, *mine)
+                sizes.setdefault(name, []).append(size_by_it)
+            if (same := round(shown.expected[name], DIGITS)) in told:  # of the same law
+                continue
+            told.add(same)
             numbers = (times * size, times * shown.error, times * value)
             checks.append(CrossCheck(one.column, name, *numbers, outcome, unit))
-    return tuple(checks)
+    joint = {name: SizeByReference.of_all(several) for name, several in sizes.items()}
+    return replace(choice, cross_checks=tuple(checks), by_reference=joint)
 
 
 def outcome_of(

@@ -17,6 +17,7 @@ from pvlib_fem._loop.comparisons import (
     ComparedRecord,
     Comparison,
 )
+from pvlib_fem._loop.noise import density
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.clusters import WEEK, date_starts, week_numbers
 from pvlib_fem._statistics.weekly_sums import LeastSquares, products
@@ -34,6 +35,7 @@ FADES = 0.005  # of power by a module that ages; up to twice as much, or none [1
 MONTH = 4 * WEEK  # days that are one draw of the weather
 YEAR = 365.25  # days, over which weather forgets what it was
 DAYS_OFF = 7  # by which the dates of a change may be off, where profiles are compared
+MOST_TURNS, CLOSE = 10, 1e-4  # of a size by a reference, and relative change to end
 NEIGHBOURS = 4  # compared days before and after one that may be as it is
 OUTLIER = 4.0  # interquartile ranges by which snow, a fault or clipped power differ
 
@@ -48,6 +50,11 @@ class Shown:
     #: relative standard errors of these: of a thermal coefficient, and of that size [-]
     slack: dict[str, float]
     aged: float  # by how much it fades by itself
+
+    def likelihood(self, value: float, spread: float = 0.0) -> float:
+        """The density of the size where a value with a standard error is expected."""
+        error = np.hypot(self.error, self.aged)
+        return float(density(self.size + self.aged - value, np.hypot(error, spread)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +117,7 @@ class DailyDeviation:
         """What comes back with the year, of records that are long enough, at least."""
         years, least = np.ptp(self.days) / YEAR, least or self.comparison.wanders > 0
         angle = 2.0 * np.pi * self.days / YEAR
-        for harmonic in range(1, 1 + min(max(int(years), least), 2)):
+        for harmonic in range(1, 1 + min(max(round(years), least), 2)):
             yield np.cos(harmonic * angle)
             yield np.sin(harmonic * angle)
 
@@ -193,6 +200,29 @@ class DailyDeviation:
             slack[name] = float(np.hypot(SLACK, choice.size_error(name)))
         aged = FADES if self.comparison.ages and is_drift(first) else 0.0
         return Shown(size, error, expected, slack, aged)
+
+    def relative_size(
+        self,
+        choice: "Choice",
+        name: str,
+        first: Effect,
+        shown: Shown,
+        coefficients: Mapping[str, float],
+    ) -> tuple[float, float]:
+        """The size of a member by what is shown, relative to the fit, and its error."""
+        effect, size = choice.members[name].effect, choice.scores[name].estimate[0]
+        weights, ratio, slope = weights_of(first, self.days), 1.0, np.inf
+        for _ in range(
+            MOST_TURNS
+        ):  # the logarithm of a ratio is not proportional to it
+            value = self.expected(effect, ratio * float(size), weights, coefficients)
+            if not value:
+                break
+            slope, before = ratio / value, ratio
+            ratio = slope * shown.size
+            if abs(ratio - before) < CLOSE * abs(ratio):
+                break
+        return ratio, abs(slope) * shown.error
 
     def expected(
         self,

@@ -94,6 +94,34 @@ def test_a_second_sensor_names_the_light_on_the_modules(half_a_year):  # noqa: F
     assert loop.corrected(data).data["poa_global"].equals(data["poa_global"])
 
 
+def test_a_second_sensor_has_a_part_in_the_size(half_a_year):  # noqa: F811
+    """A better contact hides a third of the change from the temperature."""
+    contact = {"module_sensor_contact_step": 0.03}
+    data, _ = with_change(half_a_year, *contact, **contact)
+    random = np.random.default_rng(2).normal(0.0, 0.01, len(data))
+    data["poa_global_2"] = data["poa_global"] * (1.0 + random)
+    data["poa_global"] /= 1.0 - 0.1 * after(data)
+    loop = closed(data)
+    first = loop.finding_objects[0]
+    assert first.effect == "irradiance_sensor_step"
+    key = "irradiance_sensor_step.change"
+    (check,) = (one for one in first.cross_checks if one.effect == first.effect)
+    assert check.outcome is CheckOutcome.AGREES
+    by_temperature = np.expm1(check.expected)
+    assert by_temperature > -0.085
+    assert first.coefficients[key] == pytest.approx(-0.1, abs=0.002)
+    assert first.stderr[key] < 0.002
+    low, high = first.ranges[key]
+    assert low < -0.1 < high
+    # the rest of the model is fitted given it, and the record corrected by it
+    assert loop.fit.fixed == {key: first.coefficients[key]}
+    (note,) = (one for one in loop.fit.notes if "held" in one and key in one)
+    assert "poa_global_2" in note
+    corrected = loop.corrected(data, resolve=first.effect).data["poa_global"]
+    clean = data["poa_global"] * (1.0 + first.coefficients[key] * after(data))
+    pd.testing.assert_series_equal(corrected, clean, check_names=False)
+
+
 def season_or_drift(
     other, taken=(), light=lambda effect, size: np.zeros(365), size=0.12, z_score=10.0
 ):
@@ -287,7 +315,7 @@ def test_a_plant_that_loses_a_string_is_no_fault_of_the_sensor(
     loop = closed(data)
     assert not any(names & {*f.candidates} for f in loop.finding_objects)
     (note,) = (note for note in loop.notes if note.startswith("power_ac has changed"))
-    assert "2023-09-15 on: at the same irradiance it is 9.9 ± 0.1 % less, but" in note
+    assert "2023-09-15 on: at the same irradiance it is 10.4 ± 0.2 % less, but" in note
     assert "check modules, strings and inverters" in note
 
 

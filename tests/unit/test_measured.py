@@ -218,10 +218,10 @@ def test_the_page_of_a_loss_rate_has_the_numbers_that_it_makes(golden):
     assert fading.column == "poa_global" and fading.applied
     assert f"gains {raw[0]:.1f} % a year" in head
     assert f"fades by {100 * fading.size:.1f} % a year" in head
-    assert f"loses {-sound[0]:.1f} % a year" in head
+    assert f"irradiance the rate is {signed(sound[0])} % a year" in head
     assert f"says {signed(sky[0])} ± {half:.1f} % a year" in head
     assert f"gains {of_size(raw)}" in text
-    assert f"corrected sensor it loses {of_size(sound)}" in text
+    assert f"corrected sensor the rate is {around_zero(sound)}" in text
     assert f"correction changes the rate by {by_sensor:.1f} % a year" in text
     assert f"workflow gives {around_zero(sky)} with the sensor" in text
     assert f"and {around_zero(sky_sound, '')} with the corrected one" in text

@@ -9,9 +9,9 @@ from scipy.signal import lfilter
 from scipy.stats import binomtest, f as fdistribution
 
 from pvlib_fem import Criteria, close_loop, simulator
-from pvlib_fem._findings import OUTSIDE, CheckOutcome, CrossCheck
+from pvlib_fem._findings import OUTSIDE
 from pvlib_fem._loop.change_dates import Scan
-from pvlib_fem._loop.choice import Choice
+from pvlib_fem._loop.choice import Choice, SizeByReference
 from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.conclude import range_around, range_of
 from pvlib_fem._loop.design import Changed, Design
@@ -322,36 +322,61 @@ def test_a_range_is_wider_where_two_estimates_differ():
     assert low < value - 1.0 < value + 1.0 < high
 
 
-def test_a_range_reaches_the_size_that_a_sure_cross_check_shows():
-    """It shows half as much again; an unsure one, or one that contradicts, nothing."""
+def offset_by_reference(**shown):
+    """The finding of an offset, with its size by a reference."""
     random, (days, hours) = np.random.default_rng(3), clock(365)
     rest = 2.0 * (days >= 180) + noise(random, len(days))
     selection = offsets(rest, days, hours)
     best = selection.weighed(selection.best([]), [])
-    key, name = "module_offset_step.change", best.top.name
-    score = best.scores[name]
-    value, error = score.coefficients[key], score.errors[key]
+    if shown:
+        shown = {"other": 0.15, "shows_it": False} | shown
+        by_it = SizeByReference(("temp_module_2",), **shown)
+        best = replace(best, by_reference={best.top.name: by_it})
+    return best, best.top.name, "module_offset_step.change"
 
-    def range_by(size, stderr, outcome):
-        check = CrossCheck("temp_module_2", name, size, stderr, -value, outcome, "K")
-        given = replace(best, cross_checks=(check,))
-        return range_of(key, value, error, given, name, CRITERIA)
 
-    alone = range_of(key, value, error, best, name, CRITERIA)
-    for ratio in (0.5, 1.5):
-        sure, unsure, against = (
-            range_by(-ratio * value, *how)
-            for how in (
-                (0.001, CheckOutcome.CANNOT_TELL),
-                (100.0, CheckOutcome.CANNOT_TELL),
-                (0.001, CheckOutcome.CONTRADICTS),
-            )
+def test_a_range_reaches_the_mean_with_a_reference_that_cannot_tell():
+    """It shows half as much again, or half; an unsure one shows nothing."""
+
+    def range_by(**shown):
+        best, name, key = offset_by_reference(**shown)
+        (value,), (error,) = (
+            one(name).values() for one in (best.coefficients, best.errors)
         )
+        return value, range_of(key, value, error, best, name, CRITERIA)
+
+    value, alone = range_by()
+    for ratio in (0.5, 1.5):
+        same, sure = range_by(ratio=ratio, error=0.001)
+        assert same == value
         assert sure[0] < ratio * value < sure[1]
         far, near = (1, 0) if ratio > 1.0 else (0, 1)
         assert abs(sure[far] - value) > abs(alone[far] - value)
-        assert sure[near] == alone[near] and against == alone
-        assert unsure == pytest.approx(alone, rel=1e-3)
+        assert sure[near] == alone[near]
+        assert range_by(ratio=ratio, error=100.0)[1] == pytest.approx(alone, rel=1e-3)
+
+
+@pytest.mark.parametrize("ratio", [0.7, 1.0, 1.4])
+def test_a_size_is_the_mean_of_temperature_and_reference(ratio):
+    """The surer one has more weight, and the mean is surer than each of them."""
+    best, name, key = offset_by_reference()
+    alone, other = best.coefficients(name)[key], best.size_error(name)
+    for error, times in {1e-4: ratio, other: 0.5 * (1.0 + ratio), 100.0: 1.0}.items():
+        shown = dict(ratio=ratio, error=error, other=other)
+        best, *_ = offset_by_reference(**shown, shows_it=True)
+        size = best.coefficients(name)[key]
+        assert size == pytest.approx(times * alone, rel=1e-3)
+        assert best.joint_size(name, {key: alone}) == {key: size}
+        stated = best.errors(name)[key] / alone
+        assert stated <= 1.001 * min(error, other)
+        low, high = range_of(key, size, stated * alone, best, name, CRITERIA)
+        assert low < size < high
+
+
+def test_a_size_by_temperature_and_reference_is_within_its_bounds():
+    """A shield cannot hold off more than all that the sun heats the sensor."""
+    best, name, key = offset_by_reference(ratio=1e3, error=1e-6, shows_it=True)
+    assert best.coefficients(name)[key] == best.top.effect.rows()[key].upper
 
 
 def test_a_range_holds_the_size_of_a_change_beside_a_season_that_is_not_found():
