@@ -7,7 +7,7 @@ ORACLE = $(VENV)/oracle-study $(VENV)/oracle-instruments
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
 .PHONY: demo test test-all fuzz lint dist docs benchmark quality offsets energy study study-measured study-weather study-instruments study-trackers study-events recovery
-.PHONY: fleet gate ceiling reliability detectors oracle sweep coverage parameters periods profiles episodes figure clean
+.PHONY: fleet gate ceiling reliability detectors oracle sweep coverage parameters periods profiles sizes episodes figure clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -144,6 +144,10 @@ periods: $(VENV)/.installed
 # sensors that change along no exact step, trend or temporary change
 profiles: $(VENV)/.installed
 	$(BIN)/python studies/study_profiles.py
+
+# sizes of sensor faults, with and without power or a second sensor
+sizes: $(VENV)/.installed
+	$(BIN)/python studies/study_sizes.py
 
 # how often noise shows days that stand out, for docs/guide/honesty.md
 episodes: $(VENV)/.installed
