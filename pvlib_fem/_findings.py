@@ -268,7 +268,9 @@ class Finding:
         What it takes off the error: root of the fall of the mean square, over
         fitting weeks left out in turn. [K]
     coefficients, stderr : dict
-        From the last fit if it was added, else from the ranking.
+        From the last fit if it was added, else from the ranking. The size of a change
+        is the mean of its sizes by the module temperature and by the references that
+        show it, weighted by their variances.
     because : Because
         The reason for the verdict.
     checks : tuple of Check
