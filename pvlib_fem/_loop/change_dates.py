@@ -41,7 +41,9 @@ class Scan:
         cls, design: "Design", given: Sequence["Column"], side: int
     ) -> Self:
         columns = [*given]
-        whole, trust = design.whole(columns), day_weights(design, columns)
+        whole, trust = design.whole(columns), np.ones(len(design.dates))
+        if design.outliers:
+            trust = day_weights(design, columns)
         inverse = np.linalg.inv(np.linalg.cholesky(with_ridge(whole[1:, 1:])))
         return cls(design, columns, side, coefficients_from(whole), inverse.T, trust)
 

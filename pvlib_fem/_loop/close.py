@@ -59,6 +59,7 @@ from pvlib_fem.drivers._planes import ByColumns
 from pvlib_fem.drivers._transposition import check_transposition
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects._effect import Effect
+from pvlib_fem.effects._time_profiles import is_dated
 from pvlib_fem.quality._module_lag import Clock
 from pvlib_fem.reasons import Because, Reason, because
 from pvlib_fem.types import FilePath
@@ -508,10 +509,12 @@ class Search:
         self.findings, self.choices = [], {}
         self.refused = [f for f in self.refused if f.effect in self.closed]
         chosen = [one for one in this.choices if one.top.name not in self.closed]
+        known = self.by_references(this, chosen)
         step = plain
         reported: list[Choice] = []
         while chosen:
-            others = [*reported, *chosen[1:]]
+            others = [known.get(one.top.name, one) for one in chosen[1:]]
+            others = [*reported, *others]
             one, effect, finding = self.described(this, chosen[0], others)
             reported.append(one.as_first)
             chosen = chosen[1:]
@@ -537,6 +540,21 @@ class Search:
             step = self.on_own_steps(step)
             self.steps[f"+{self.findings[-1].effect}"] = step
         return step
+
+    def by_references(self, this: Round, chosen: Sequence[Choice]) -> dict[str, Choice]:
+        """
+        Choices with the member that references make the most probable, by first name.
+
+        What a reference shows of one change depends on which others it shows, so that
+        these have to be known before.
+        """
+        if not self.references or sum(is_dated(one.top.effect) for one in chosen) < 2:
+            return {}
+        known = {one.top.name: one for one in chosen}
+        for name, one in known.items():
+            others = [other for other in known.values() if other is not one]
+            known[name] = self.described(this, one, others)[0].as_first
+        return known
 
     @cached_property
     def references(self) -> list[DailyDeviation]:
@@ -567,13 +585,14 @@ class Search:
         selection, case = this.selection, self.case
         coefficients, given = this.coefficients, selection.given(others)
         one = selection.weighed(choice, others)
-        logs = log_likelihoods(self.references, one, coefficients)
+        references = [reference.given(others) for reference in self.references]
+        logs = log_likelihoods(references, one, coefficients)
         one = with_outside(selection.design, one, given, case.criteria, logs)
         effect = selection.dated(one, one.first, given)
         if effect.turns:
             size = float(one.scores[one.first].estimate[0])
             effect = by_power(case, effect, size)
-        one = cross_checked(self.references, one, effect, coefficients)
+        one = cross_checked(references, one, effect, coefficients)
         return one, effect, finding_of(one, effect, case, selection.least)
 
     def hints(self, this: Round) -> Iterator[tuple[Finding, Effect]]:

@@ -88,6 +88,8 @@ class Design:
     noise: tuple[Table, ...] = ()  # random effects by which the cells are whitened
     #: whether each day is a draw of the weather, and not a week
     daily_draws: bool = False
+    #: whether a day may be an outlier, which counts less where dates are looked for
+    outliers: bool = True
     plain: "Design | None" = field(default=None, repr=False)  # the same without
 
     @classmethod

@@ -27,10 +27,11 @@ def reference_faults(
     findings: Iterable[Finding],
 ) -> Iterator[str]:
     """
-    Second sensors and plants that have changed, in words.
+    Second sensors and plants that have changed, or may have, in words.
 
-    A second sensor or power deviates from an instrument from a date on, by a size that
-    the module temperature contradicts. So the instrument has not changed.
+    A second sensor or power deviates from an instrument from a date on. If the module
+    temperature contradicts that size, the instrument has not changed. If it cannot
+    tell, either may have.
 
     Parameters
     ----------
@@ -47,7 +48,9 @@ def reference_faults(
     str
     """
     names = {name for one in findings for name in one.candidates}
-    suspected = {kind(EFFECTS[name]) for name in names if name in EFFECTS}
+    effects = [EFFECTS[name] for name in names if name in EFFECTS]
+    # what comes and goes with the weather is no change from a date on
+    suspected = {kind(one) for one in effects if one.sensor_fault or one.turns}
     # by day and by night one sensor is compared in two ways
     by_column = sorted(shown, key=lambda one: one[0].column)
     for _, some in groupby(by_column, key=lambda one: one[0].column):
@@ -60,19 +63,20 @@ def reference_faults(
             for change in changes.values()
             # power and sensors fade by themselves, and get dirty
             if not is_drift(change.effect)
-            for words in contradicted(this, reference, change.effect)
+            for words in unexplained(this, reference, change.effect)
         ]
         if found:
-            yield max(found)[1]
+            yield max(found)[-1]
 
 
-def contradicted(
+def unexplained(
     this: "Round", reference: DailyDeviation, effect: Effect
-) -> Iterator[tuple[float, str]]:
+) -> Iterator[tuple[bool, float, str]]:
     """
-    The change of a reference, if the temperature contradicts its instrument's.
+    The change of a reference that is no finding.
 
-    With its ratio to its standard error.
+    With whether the temperature contradicts that its instrument has changed, and with
+    its ratio to its standard error.
     """
     choice = this.selection.alone(effect, this.selection.given(this.choices))
     if choice is None:
@@ -86,17 +90,18 @@ def contradicted(
     )
     error = abs(more - seen)
     outcome = outcome_of(seen, size, float(np.hypot(stderr, error)))
-    if outcome is CheckOutcome.CONTRADICTS:
-        usual = twin_of(reference.column)
-        name = effect.name if usual else LIGHT
-        by_reference, by_module = (
-            CrossCheck(reference.column, name, *numbers, 0.0, outcome, unit).reads
-            for unit in [reference.comparison.unit]
-            for numbers in ((size, stderr), (seen, error))
-        )
-        dates = dates_in_words(effect.settings)
-        words = sentence(reference.column, usual, dates, by_reference, by_module)
-        yield abs(size) / stderr, words
+    usual = twin_of(reference.column)
+    name = effect.name if usual else LIGHT
+    by_reference, by_module = (
+        CrossCheck(reference.column, name, *numbers, 0.0, outcome, unit).reads
+        for unit in [reference.comparison.unit]
+        for numbers in ((size, stderr), (seen, error))
+    )
+    contradicted = outcome is CheckOutcome.CONTRADICTS
+    dates = dates_in_words(effect.settings)
+    words = sentence if contradicted else undecided_sentence
+    said = words(reference.column, usual, dates, by_reference, by_module)
+    yield contradicted, abs(size) / stderr, said
 
 
 def sentence(
@@ -113,4 +118,22 @@ def sentence(
     return (
         f"{begin}by it {usual} reads {by_reference}, but by the module temperature "
         f"{by_module}; check the sensor of {column}"
+    )
+
+
+def undecided_sentence(
+    column: str, usual: str | None, dates: str, by_reference: str, by_module: str
+) -> str:
+    """What deviates, since when, by how much, and what to look at."""
+    if usual is None:
+        return (
+            f"{column} and poa_global deviate, from {dates} on: at the same irradiance "
+            f"power is {by_reference}. By the module temperature the modules receive "
+            f"{by_module}, which cannot tell whether the plant or the irradiance "
+            "sensor has changed; check both"
+        )
+    return (
+        f"{column} and {usual} deviate, from {dates} on: by {column} {usual} reads "
+        f"{by_reference}, by the module temperature {by_module}, which cannot tell "
+        "which of the two has changed; check both sensors"
     )

@@ -1,9 +1,9 @@
 """How references deviate from an instrument, from day to day."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Self, cast
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -24,7 +24,7 @@ from pvlib_fem._statistics.weekly_sums import LeastSquares, products
 from pvlib_fem.drivers import derive_drivers
 from pvlib_fem.drivers._mounts import angles_at
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.effects._time_profiles import is_drift, weights_of
+from pvlib_fem.effects._time_profiles import is_dated, is_drift, weights_of
 from pvlib_fem.quality._clearsky import clear_sky
 
 if TYPE_CHECKING:
@@ -67,11 +67,33 @@ class DailyDeviation:
     apart: np.ndarray
     #: of an effect of a size, more light on the modules [-]
     light: Callable[[Effect, float], np.ndarray]
+    others: tuple[np.ndarray, ...] = ()  # daily columns of changes that are known
 
     @cached_property
     def usual(self) -> list[np.ndarray]:
-        """Daily columns of usual variation."""
-        return [np.ones(len(self.days)), *self.year()]
+        """Daily columns of usual variation, and of changes that are known."""
+        return [np.ones(len(self.days)), *self.year(), *self.others]
+
+    def given(self, choices: Iterable["Choice"]) -> Self:
+        """
+        The deviation beside the changes of other choices.
+
+        A second change is another one: else a trend beside a step would seem to be
+        confirmed by what shows the step. It may show a choice that is not weighed yet.
+        """
+        shows = self.comparison.shows
+        effects = (
+            one.top.effect
+            for one in choices
+            if not one.members or kind(one.top.effect) in shows
+        )
+        profiles = (weights_of(one, self.days) for one in effects if is_dated(one))
+        others = tuple(one for one in profiles if np.ptp(one) > 0)
+        return self.beside_columns(others) if others else self
+
+    def beside_columns(self, others: Iterable[np.ndarray]) -> Self:
+        """The deviation beside some daily columns."""
+        return replace(self, others=(*self.others, *others))
 
     @cached_property
     def basis(self) -> np.ndarray:
@@ -87,16 +109,15 @@ class DailyDeviation:
         self,
         weights: np.ndarray,
         values: np.ndarray | None = None,
-        others: Sequence[np.ndarray] = (),
     ) -> tuple[float, float, np.ndarray]:
         """
-        The change along a time profile given others, its error, and the residual.
+        The change along a time profile, its error, and the residual.
 
         It is a change of the deviation, or of other daily ``values``. Its error is that
         of a change of the module's temperature: by weeks and their memory.
         """
         values = self.apart if values is None else values
-        table = np.column_stack([values, *self.usual, *others, weights])
+        table = np.column_stack([values, *self.usual, weights])
         edges = np.append(0, date_starts(week_numbers(self.days))[1])
         fit = LeastSquares(products(table, np.ones(len(table)), edges), 1)
         residual = table @ np.append(1.0, -fit.solved)
@@ -120,6 +141,11 @@ class DailyDeviation:
         for harmonic in range(1, 1 + min(max(round(years), least), 2)):
             yield np.cos(harmonic * angle)
             yield np.sin(harmonic * angle)
+
+    def sees(self, weights: np.ndarray) -> bool:
+        """Whether a time profile differs from usual variation and known changes."""
+        beyond = weights - self.basis @ (self.basis.T @ weights)
+        return bool(beyond @ beyond > UNSEEN * (weights @ weights))
 
     def profiles(self, effects: Iterable[Effect]) -> Iterator[tuple[str, float]]:
         """Log-likelihood of each time profile compared with the best of them."""
@@ -186,7 +212,7 @@ class DailyDeviation:
         None where it shows nothing.
         """
         weights = weights_of(first, self.days)
-        if not names or not np.ptp(weights) > 0:
+        if not names or not self.sees(weights):
             return None
         size, error, residual = self.along(weights)
         # one that acts on some days is compared with as many others, not with weeks
