@@ -99,6 +99,7 @@ def unexplained(
     )
     contradicted = outcome is CheckOutcome.CONTRADICTS
     dates = dates_in_words(effect.settings)
+    dates = dates if "until" in dates else f"{dates} on"
     words = sentence if contradicted else undecided_sentence
     said = words(reference.column, usual, dates, by_reference, by_module)
     yield contradicted, abs(size) / stderr, said
@@ -108,7 +109,7 @@ def sentence(
     column: str, usual: str | None, dates: str, by_reference: str, by_module: str
 ) -> str:
     """What has changed, when, by how much, and what to look at."""
-    begin = f"{column} has changed, from {dates} on: "
+    begin = f"{column} has changed, from {dates}: "
     if usual is None:
         return (
             f"{begin}at the same irradiance it is {by_reference}, but by the module "
@@ -127,13 +128,13 @@ def undecided_sentence(
     """What deviates, since when, by how much, and what to look at."""
     if usual is None:
         return (
-            f"{column} and poa_global deviate, from {dates} on: at the same irradiance "
+            f"{column} and poa_global deviate, from {dates}: at the same irradiance "
             f"power is {by_reference}. By the module temperature the modules receive "
             f"{by_module}, which cannot tell whether the plant or the irradiance "
             "sensor has changed; check both"
         )
     return (
-        f"{column} and {usual} deviate, from {dates} on: by {column} {usual} reads "
+        f"{column} and {usual} deviate, from {dates}: by {column} {usual} reads "
         f"{by_reference}, by the module temperature {by_module}, which cannot tell "
         "which of the two has changed; check both sensors"
     )

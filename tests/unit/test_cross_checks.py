@@ -359,6 +359,32 @@ def test_a_plant_that_loses_a_string_is_no_fault_of_the_sensor(
 
 
 @pytest.mark.parametrize(
+    ("column", "words"),
+    [
+        ("poa_global_2", "by poa_global_2 poa_global reads 3."),
+        ("power_ac", "at the same irradiance power is 3."),
+    ],
+)
+def test_a_deviation_that_the_temperature_cannot_assign_has_a_note(
+    half_a_year,  # noqa: F811
+    column,
+    words,
+):
+    """A change of 3 % in a module temperature whose error is ten times its own."""
+    data, _ = with_change(half_a_year, noise=6.0)
+    powered = with_power(data, 0.0)
+    light = data["poa_global"] * (1.0 + noise_of(2, data["poa_global"], 0.01))
+    second = powered["power_ac"] if column == "power_ac" else light
+    loop = closed(data.assign(**{column: second}))
+    assert not any("deviate" in note for note in loop.notes)
+    loop = closed(data.assign(**{column: second * (1.0 + 0.035 * after(data))}))
+    assert not any({*f.candidates} & {*CHANGES} for f in loop.finding_objects)
+    (note,) = (note for note in loop.notes if "deviate" in note)
+    assert note.startswith(f"{column} and poa_global deviate, from 2023-09-15 on: ")
+    assert words in note and "which cannot tell" in note and "check both" in note
+
+
+@pytest.mark.parametrize(
     ("usual", "second", "words"),
     [
         ("poa_global", lambda values, on: values * (1.0 - 0.1 * on), "% more"),
