@@ -11,7 +11,6 @@ from pvlib_fem._loop.cross_checks import outcome_of
 from pvlib_fem._loop.references import DailyDeviation, kind
 from pvlib_fem._record.column_names import twin_of
 from pvlib_fem.effects import EFFECTS
-from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import dates_in_words, is_drift, weights_of
 
 if TYPE_CHECKING:
@@ -60,17 +59,25 @@ def reference_faults(
         found = [
             words
             for reference, changes in mine
-            for change in changes.values()
+            for name, change in changes.items()
             # power and sensors fade by themselves, and get dirty
             if not is_drift(change.effect)
-            for words in unexplained(this, reference, change.effect)
+            for words in unexplained(this, beside(reference, changes, name), change)
         ]
         if found:
             yield max(found)[-1]
 
 
+def beside(
+    reference: DailyDeviation, changes: Mapping[str, "ShownChange"], name: str
+) -> DailyDeviation:
+    """A reference given the changes that it shows, but one."""
+    others = [one.effect for other, one in changes.items() if other != name]
+    return reference.beside_columns(weights_of(e, reference.days) for e in others)
+
+
 def unexplained(
-    this: "Round", reference: DailyDeviation, effect: Effect
+    this: "Round", reference: DailyDeviation, change: "ShownChange"
 ) -> Iterator[tuple[bool, float, str]]:
     """
     The change of a reference that is no finding.
@@ -78,10 +85,11 @@ def unexplained(
     With whether the temperature contradicts that its instrument has changed, and with
     its ratio to its standard error.
     """
+    effect = change.effect
     choice = this.selection.alone(effect, this.selection.given(this.choices))
-    if choice is None:
-        return
     weights = weights_of(effect, reference.days)
+    if choice is None or not reference.sees(weights):
+        return
     size, stderr, _ = reference.along(weights)
     estimate = float(choice.score.estimate[0])
     seen, more = (

@@ -18,8 +18,9 @@ from pvlib_fem._loop.comparisons import COMPARISONS, SKY, USUAL_WIND
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.cross_checks import log_likelihoods, outcome_of
 from pvlib_fem._loop.dictionary import Candidate
+from pvlib_fem._loop.reference_faults import beside
 from pvlib_fem._loop.references import DailyDeviation, daily_deviations, usual_days
-from pvlib_fem._loop.selection import shown_changes
+from pvlib_fem._loop.selection import shown_by, shown_changes
 from pvlib_fem._record.column_names import COLUMNS, is_cross_check, is_power, twin_of
 from pvlib_fem._stored import Stored, as_json
 from pvlib_fem.effects import CHANGES, EFFECTS
@@ -267,6 +268,19 @@ def test_a_second_sensor_shows_a_temporary_change_beside_a_season(days, begin):
     dates = [np.datetime64(19000 + day, "D") for day in (first, first + 50)]
     found = [np.datetime64(one.effect.settings[name]) for name in ("start", "end")]
     assert dates == found
+
+
+def test_the_size_of_a_step_of_a_reference_is_that_beside_its_trend():
+    """It gets dirty by 5 % a year, and steps by 10 %."""
+    days = np.arange(600)
+    apart = noise_of(5, days, 0.005) - 0.05 * days / 365.25 - 0.1 * (days >= 250)
+    reference = deviation_of("poa_global_2", apart)
+    shown = shown_by(reference, Criteria())
+    assert {*shown} == {"irradiance_sensor_step", "irradiance_sensor_drift"}
+    step = shown["irradiance_sensor_step"].effect
+    alone = beside(reference, shown, step.name)
+    size, error, _ = alone.along(weights_of(step, alone.days))
+    assert size == pytest.approx(-0.1, abs=3.0 * error) and error < 0.005
 
 
 def test_a_second_change_is_not_confirmed_by_what_shows_the_first():
