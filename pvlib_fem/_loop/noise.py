@@ -57,20 +57,37 @@ ALIKE = 0.1  # of unknown causes that follow a driver, as alike as its effect
 REFLECTED = 0.45
 
 
-def prior_of(effect: Effect, outside: float) -> tuple[float, float]:
-    """Probability of a cause outside as a rival, and that it looks alike."""
+def prior_of(
+    effect: Effect, outside: float, frosty: bool = False
+) -> tuple[float, float]:
+    """
+    Probability of a cause outside as a rival, and that it looks alike.
+
+    On ``frosty`` days snow and ice can cover modules or sensors for as long as a change
+    lasts.
+    """
     if effect.unseen_light:  # a reflection onto the modules looks the same
         return REFLECTED, 1.0
     # heat along a user's column is no law that another cause would break, and all that
     # stores heat near the modules makes them slower, some of it for a season
     slower = effect.sensor_fault == "time_constant"
-    if effect.column or effect.imitable or slower:
+    if effect.column or effect.imitable or slower or frosty:
         return outside, 1.0
     dated = effect.sensor_fault or effect.turns  # a fault of one device from a date on
     if dated or (own_columns(effect.drivers) and not effect.confounder):
         return outside, ALIKE
     # what follows the sun and the usual inputs alone may be anything that does
     return outside, 1.0
+
+
+def is_frosty(design: "Design", effect: Effect) -> bool:
+    """Whether it freezes on most days of a change."""
+    air = design.places.get("temp_air")
+    if air is None or not effect.sensor_fault:
+        return False
+    weight = weights_of(effect, design.dates)
+    frost = np.fmin.reduceat(air, design.first) < 0.0
+    return bool(weight @ frost > 0.5 * weight.sum())
 
 
 def with_outside(
@@ -105,7 +122,8 @@ def with_outside(
     mine, outside = {}, 0.0
     for name, one in choice.members.items():
         weight = choice.weights[name] * times[name]
-        odds, alike = prior_of(one.effect, criteria.outside_probability)
+        frosty = is_frosty(design, one.effect)
+        odds, alike = prior_of(one.effect, criteria.outside_probability, frosty)
         own = design.fit_for([one.effect])
         within = tables.setdefault(own.daily_draws, WithinCells(own, given))
         sizes = remaining_shares(one, within)

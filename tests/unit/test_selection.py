@@ -19,6 +19,7 @@ from pvlib_fem._loop.dictionary import Candidate, all_candidates
 from pvlib_fem._loop.hourly_tangents import filled, independent_columns
 from pvlib_fem._loop.noise import (
     WithinCells,
+    is_frosty,
     law_misfits,
     prior_of,
     random_effects,
@@ -1096,6 +1097,31 @@ def test_what_an_unknown_cause_can_imitate_is_never_identified(name):
     outside, alike = prior_of(EFFECTS[name], 0.07)
     assert (outside, alike) == (0.07, 1.0)
     assert prior_of(EFFECTS["irradiance_sensor_step"], 0.07)[1] < 1.0
+
+
+@pytest.mark.parametrize(("coldest", "frosty"), [(-4.0, True), (4.0, False)])
+def test_a_change_of_frosty_days_is_never_identified(coldest, frosty):
+    """Snow and ice cover modules and sensors, for as long as it freezes."""
+    days, hours = clock(365)
+    winter = (days >= 100) & (days < 160)
+    rest = 2.0 * winter + noise(np.random.default_rng(5), len(days))
+    changing = [CHANGES["module_offset_episode"]]
+    air = np.where(winter, coldest, 15.0) + 3.0 * (hours > 9)
+    columns = {"one": np.ones(len(days))}
+    made = design(rest, columns, days, hours, changing, temp_air=air)
+    effect = changing[0].make(
+        start=str(np.datetime64(START + 100, "D")),
+        end=str(np.datetime64(START + 160, "D")),
+    )
+    assert is_frosty(made, effect) is frosty
+    selection = Selection(made, CRITERIA)
+    best = selection.weighed(selection.best([]), [])
+    assert best.top.name == effect.name
+    found = with_outside(made, best, [*made.base], CRITERIA).probabilities
+    if frosty:
+        assert found[OUTSIDE] >= CRITERIA.outside_probability
+    else:
+        assert found[effect.name] >= CRITERIA.min_probability
 
 
 @pytest.mark.parametrize(("shown", "taken"), [(201, 201), (100, 200)])
