@@ -62,18 +62,20 @@ def reference_faults(
             for name, change in changes.items()
             # power and sensors fade by themselves, and get dirty
             if not is_drift(change.effect)
-            for words in unexplained(this, beside(reference, changes, name), change)
+            for words in unexplained(
+                this, given_others(reference, changes, name), change
+            )
         ]
         if found:
             yield max(found)[-1]
 
 
-def beside(
+def given_others(
     reference: DailyDeviation, changes: Mapping[str, "ShownChange"], name: str
 ) -> DailyDeviation:
     """A reference given the changes that it shows, but one."""
     others = [one.effect for other, one in changes.items() if other != name]
-    return reference.beside_columns(weights_of(e, reference.days) for e in others)
+    return reference.given_columns(weights_of(e, reference.days) for e in others)
 
 
 def unexplained(

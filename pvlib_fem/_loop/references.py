@@ -76,10 +76,10 @@ class DailyDeviation:
 
     def given(self, choices: Iterable["Choice"]) -> Self:
         """
-        The deviation beside the changes of other choices.
+        The deviation given the changes of other choices.
 
-        A second change is another one: else a trend beside a step would seem to be
-        confirmed by what shows the step. It may show a choice that is not weighed yet.
+        A second change is another one: else a trend in addition to a step would seem
+        to be confirmed by what shows the step. One that is not weighed yet may be one.
         """
         shows = self.comparison.shows
         effects = (
@@ -89,10 +89,10 @@ class DailyDeviation:
         )
         profiles = (weights_of(one, self.days) for one in effects if is_dated(one))
         others = tuple(one for one in profiles if np.ptp(one) > 0)
-        return self.beside_columns(others) if others else self
+        return self.given_columns(others) if others else self
 
-    def beside_columns(self, others: Iterable[np.ndarray]) -> Self:
-        """The deviation beside some daily columns."""
+    def given_columns(self, others: Iterable[np.ndarray]) -> Self:
+        """The deviation given some daily columns."""
         return replace(self, others=(*self.others, *others))
 
     @cached_property

@@ -140,7 +140,7 @@ def shown_by(reference: "DailyDeviation", criteria: Criteria) -> dict[str, Shown
     columns = enumerate([always, *reference.year(least=1)])
     usual = {str(i): column for i, column in columns}
     design = Design.of_columns(reference.apart, usual, always, days, changing)
-    # its outliers were left out, and beside its noise a change itself would be one
+    # outliers were left out, and compared with its noise a change would be one
     design = replace(design, outliers=False)
     limits = replace(criteria, min_rmse_reduction=TINY, min_error_share=TINY)
     effects = [choice.top.effect for choice in Selection(design, limits).run()]

@@ -168,13 +168,13 @@ def level_changes(one: DailyDeviation, law: Law) -> LevelChanges:
     while True:
         steps = [(rows >= i).astype(float) for i in new]
         estimates = [
-            one.beside_columns([years, *steps[:k], *steps[k + 1 :]]).along(step, values)
+            one.given_columns([years, *steps[:k], *steps[k + 1 :]]).along(step, values)
             for k, step in enumerate(steps)
         ]
         estimates = [found[:2] for found in estimates]
         there = [abs(size) > SURE * error for size, error in estimates]
         if all(there):
-            drift, error, _ = one.beside_columns(steps).along(years, values)
+            drift, error, _ = one.given_columns(steps).along(years, values)
             sizes = [size for size, _ in estimates]
             share = np.expm1(drift), np.exp(drift) * error
             return level_result(one.days, new, sizes, one.column, *share)

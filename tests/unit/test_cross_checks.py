@@ -18,7 +18,7 @@ from pvlib_fem._loop.comparisons import COMPARISONS, SKY, USUAL_WIND
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.cross_checks import log_likelihoods, outcome_of
 from pvlib_fem._loop.dictionary import Candidate
-from pvlib_fem._loop.reference_faults import beside
+from pvlib_fem._loop.reference_faults import given_others
 from pvlib_fem._loop.references import DailyDeviation, daily_deviations, usual_days
 from pvlib_fem._loop.selection import shown_by, shown_changes
 from pvlib_fem._record.column_names import COLUMNS, is_cross_check, is_power, twin_of
@@ -278,7 +278,7 @@ def test_the_size_of_a_step_of_a_reference_is_that_beside_its_trend():
     shown = shown_by(reference, Criteria())
     assert {*shown} == {"irradiance_sensor_step", "irradiance_sensor_drift"}
     step = shown["irradiance_sensor_step"].effect
-    alone = beside(reference, shown, step.name)
+    alone = given_others(reference, shown, step.name)
     size, error, _ = alone.along(weights_of(step, alone.days))
     assert size == pytest.approx(-0.1, abs=3.0 * error) and error < 0.005
 
