@@ -35,6 +35,7 @@ FADES = 0.005  # of power by a module that ages; up to twice as much, or none [1
 MONTH = 4 * WEEK  # days that are one draw of the weather
 YEAR = 365.25  # days, over which weather forgets what it was
 DAYS_OFF = 7  # by which the dates of a change may be off, where profiles are compared
+SUREST = 1e-3  # relative error of a size by a reference, and no less
 MOST_TURNS, CLOSE = 10, 1e-4  # of a size by a reference, and relative change to end
 NEIGHBOURS = 4  # compared days before and after one that may be as it is
 OUTLIER = 4.0  # interquartile ranges by which snow, a fault or clipped power differ
@@ -248,7 +249,7 @@ class DailyDeviation:
             ratio = slope * shown.size
             if abs(ratio - before) < CLOSE * abs(ratio):
                 break
-        return ratio, abs(slope) * shown.error
+        return ratio, max(abs(slope) * shown.error, SUREST)
 
     def expected(
         self,

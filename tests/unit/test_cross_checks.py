@@ -123,6 +123,18 @@ def test_a_second_sensor_has_a_part_in_the_size(half_a_year):  # noqa: F811
     pd.testing.assert_series_equal(corrected, clean, check_names=False)
 
 
+def test_a_copy_of_a_sensor_is_no_surer_than_a_thousandth(half_a_year):  # noqa: F811
+    """Its deviation has no noise at all."""
+    data, _ = with_change(half_a_year)
+    data["temp_air_2"] = data["temp_air"].round(1)
+    data["temp_air"] = data["temp_air_2"] + 2.0 * after(data)
+    first = closed(data).finding_objects[0]
+    assert first.effect == "air_offset_step"
+    (value,), (error,) = first.coefficients.values(), first.stderr.values()
+    assert value == pytest.approx(-2.0, abs=1e-3)
+    assert error == pytest.approx(2e-3, rel=0.1)
+
+
 def season_or_drift(
     other, taken=(), light=lambda effect, size: np.zeros(365), size=0.12, z_score=10.0
 ):
