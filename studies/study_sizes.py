@@ -68,7 +68,7 @@ def pairs(table, by):
     """Records whose size is known without a reference and with one, side by side."""
     known = table.dropna(subset=["off"]).set_index("seed")
     alone, others = (known[known["by"] == name] for name in ("", by))
-    return alone.join(others, rsuffix="_by", how="inner")
+    return alone.merge(others, "inner", on="seed", suffixes=("", "_by"))
 
 
 def main():
