@@ -125,8 +125,8 @@ class Choice:
 
     def coefficients(self, name: str) -> dict[str, float]:
         """Coefficients of a member, with the part that references have in its size."""
-        values, joint = self.scores[name].coefficients, self.joint(name)
-        return values if joint is None else {**values, **self.joint_size(name, values)}
+        values = self.scores[name].coefficients
+        return {**values, **self.joint_size(name, values)}
 
     def errors(self, name: str) -> dict[str, float]:
         """Their standard errors."""

@@ -553,7 +553,7 @@ class Search:
         known = {one.top.name: one for one in chosen}
         for name, one in known.items():
             others = [other for other in known.values() if other is not one]
-            known[name] = self.described(this, one, others)[0].as_first
+            known[name] = self.weighed(this, one, others)[0].as_first
         return known
 
     @cached_property
@@ -578,21 +578,28 @@ class Search:
             return []
         return [*reference_faults(self.last, self.shown, findings)]
 
+    def weighed(
+        self, this: Round, choice: Choice, others: Sequence[Choice]
+    ) -> tuple[Choice, list[DailyDeviation]]:
+        """A choice given others with its probabilities, and the references so given."""
+        selection = this.selection
+        one = selection.weighed(choice, others)
+        references = [reference.given(others) for reference in self.references]
+        logs = log_likelihoods(references, one, this.coefficients)
+        given, limits = selection.given(others), self.case.criteria
+        return with_outside(selection.design, one, given, limits, logs), references
+
     def described(
         self, this: Round, choice: Choice, others: Sequence[Choice]
     ) -> tuple[Choice, Effect, Finding]:
         """A choice given others with its probabilities, its effect, the finding."""
         selection, case = this.selection, self.case
-        coefficients, given = this.coefficients, selection.given(others)
-        one = selection.weighed(choice, others)
-        references = [reference.given(others) for reference in self.references]
-        logs = log_likelihoods(references, one, coefficients)
-        one = with_outside(selection.design, one, given, case.criteria, logs)
-        effect = selection.dated(one, one.first, given)
+        one, references = self.weighed(this, choice, others)
+        effect = selection.dated(one, one.first, selection.given(others))
         if effect.turns:
             size = float(one.scores[one.first].estimate[0])
             effect = by_power(case, effect, size)
-        one = cross_checked(references, one, effect, coefficients)
+        one = cross_checked(references, one, effect, this.coefficients)
         return one, effect, finding_of(one, effect, case, selection.least)
 
     def hints(self, this: Round) -> Iterator[tuple[Finding, Effect]]:

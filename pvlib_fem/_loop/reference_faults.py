@@ -74,8 +74,8 @@ def given_others(
     reference: DailyDeviation, changes: Mapping[str, "ShownChange"], name: str
 ) -> DailyDeviation:
     """A reference given the changes that it shows, but one."""
-    others = [one.effect for other, one in changes.items() if other != name]
-    return reference.given_columns(weights_of(e, reference.days) for e in others)
+    others = (one.effect for other, one in changes.items() if other != name)
+    return reference.given_effects(others)
 
 
 def unexplained(

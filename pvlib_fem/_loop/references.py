@@ -88,8 +88,12 @@ class DailyDeviation:
             for one in choices
             if not one.members or kind(one.top.effect) in shows
         )
-        profiles = (weights_of(one, self.days) for one in effects if is_dated(one))
-        others = tuple(one for one in profiles if np.ptp(one) > 0)
+        return self.given_effects(one for one in effects if is_dated(one))
+
+    def given_effects(self, effects: Iterable[Effect]) -> Self:
+        """The deviation given some changes."""
+        profiles = (weights_of(one, self.days) for one in effects)
+        others = [one for one in profiles if np.ptp(one) > 0]
         return self.given_columns(others) if others else self
 
     def given_columns(self, others: Iterable[np.ndarray]) -> Self:
@@ -237,17 +241,18 @@ class DailyDeviation:
         coefficients: Mapping[str, float],
     ) -> tuple[float, float]:
         """The size of a member by what is shown, relative to the fit, and its error."""
-        effect, size = choice.members[name].effect, choice.scores[name].estimate[0]
-        weights, ratio, slope = weights_of(first, self.days), 1.0, np.inf
-        for _ in range(
-            MOST_TURNS
-        ):  # the logarithm of a ratio is not proportional to it
-            value = self.expected(effect, ratio * float(size), weights, coefficients)
-            if not value:
-                break
+        effect = choice.members[name].effect
+        size = float(choice.scores[name].estimate[0])
+        weights = weights_of(first, self.days)
+        ratio, value = 1.0, shown.expected[name]
+        # the logarithm of a ratio is not proportional to it
+        for _ in range(MOST_TURNS):
             slope, before = ratio / value, ratio
             ratio = slope * shown.size
             if abs(ratio - before) < CLOSE * abs(ratio):
+                break
+            value = self.expected(effect, ratio * size, weights, coefficients)
+            if not value:
                 break
         return ratio, max(abs(slope) * shown.error, SUREST)
 

@@ -166,8 +166,8 @@ class Look:
             ):
                 continue
             given = selection.given(others)
-            beside = [one.given(others) for one in references]
-            logs = log_likelihoods(beside, choice, self.coefficients)
+            compared = [one.given(others) for one in references]
+            logs = log_likelihoods(compared, choice, self.coefficients)
             choice = with_outside(design, choice, given, limits, logs)
             if self.one.name in choice.credible_names(limits.min_probability):
                 known = choice.probabilities[OUTSIDE] <= HALF

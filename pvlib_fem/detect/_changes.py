@@ -171,11 +171,10 @@ def level_changes(one: DailyDeviation, law: Law) -> LevelChanges:
             one.given_columns([years, *steps[:k], *steps[k + 1 :]]).along(step, values)
             for k, step in enumerate(steps)
         ]
-        estimates = [found[:2] for found in estimates]
-        there = [abs(size) > SURE * error for size, error in estimates]
+        there = [abs(size) > SURE * error for size, error, _ in estimates]
         if all(there):
             drift, error, _ = one.given_columns(steps).along(years, values)
-            sizes = [size for size, _ in estimates]
+            sizes = [size for size, *_ in estimates]
             share = np.expm1(drift), np.exp(drift) * error
             return level_result(one.days, new, sizes, one.column, *share)
         weak = min(
