@@ -21,6 +21,7 @@ from pvlib_fem._findings import (
     Verdict,
     in_percent,
 )
+from pvlib_fem._loop.choice import Choice
 from pvlib_fem._loop.conclude import member_of, why_not_chosen
 from pvlib_fem._stored import as_json
 from pvlib_fem.effects import find
@@ -152,13 +153,8 @@ def test_a_candidate_has_the_coefficients_that_the_record_determines():
     score = SimpleNamespace(
         keys=(key,), coefficients={key: -1.0}, errors={key: 0.1}, seen=np.array([-1.1])
     )
-    choice = SimpleNamespace(
-        members={effect.name: SimpleNamespace(effect=effect)},
-        scores={effect.name: score},
-        spreads={},
-        confounded={},
-        cross_checks=(),
-    )
+    candidate = SimpleNamespace(effect=effect)
+    choice = Choice(candidate, score, {effect.name: candidate}, {effect.name: score})
     member = member_of(choice, effect.name, Criteria())
     assert member.coefficients == {key: -1.0} and member.stderr == {key: 0.1}
     low, high = member.ranges[key]
