@@ -60,7 +60,7 @@ def wet_week():
 @pytest.fixture(scope="module")
 def pair():
     """The change that one switch makes to a year's record without noise."""
-    sky = weather(RHINE, seed=3)
+    sky = weather(RHINE, step=300, seed=3)
 
     def run(effects):
         return measure(sky, simulate(sky, RHINE, effects), RHINE, effects, noise=0)
