@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
 if TYPE_CHECKING:
     from pvlib_fem._findings import CrossCheck
     from pvlib_fem._loop.dictionary import Candidate
+    from pvlib_fem.effects._effect import Effect
 
 LEAST_Z = 1e-3  # standard errors of a size that is next to nothing
 
@@ -27,6 +28,7 @@ class Score:
     null: np.ndarray  # covariance that it would have by accident
     freedom: float  # of that
     acting: float  # share of the record on which it acts
+    shown: float = 0.0  # log-likelihood by references of the model with it
 
     @property
     def stderr(self) -> np.ndarray:
@@ -47,6 +49,20 @@ class Score:
     def errors(self) -> dict[str, float]:
         """Standard errors by name."""
         return dict(zip(self.keys, map(float, self.stderr)))
+
+
+class Sized(NamedTuple):
+    """A change and its size, with the relative standard error of that."""
+
+    effect: "Effect"
+    size: float
+    error: float
+
+    @classmethod
+    def from_errors(cls, effect: "Effect", size: float, *errors: float) -> Self:
+        """With standard errors of the size, of which the first is by accident."""
+        least = LEAST_Z * errors[0]
+        return cls(effect, size, float(np.linalg.norm(errors)) / max(abs(size), least))
 
 
 @dataclass(frozen=True)
@@ -111,12 +127,12 @@ class Choice:
         """Of the mean square on weeks left out in turn, by its best candidate. [K²]"""
         return self.score.fall
 
-    def size_error(self, name: str) -> float:
-        """Standard error of a member's size, that by confounders included. [-]"""
+    def sized(self, name: str) -> Sized:
+        """A member with its size, of which the error by confounders is included."""
         score = self.scores[name]
-        errors = score.stderr[0], *self.confounded.get(name, ())
-        size = max(abs(float(score.estimate[0])), LEAST_Z * float(score.stderr[0]))
-        return float(np.linalg.norm(errors)) / size
+        errors = float(score.stderr[0]), *self.confounded.get(name, ())
+        effect, size = self.members[name].effect, float(score.estimate[0])
+        return Sized.from_errors(effect, size, *errors)
 
     def joint(self, name: str) -> SizeByReference | None:
         """The size of a member by references that show it, or None."""
@@ -133,7 +149,7 @@ class Choice:
         score, joint = self.scores[name], self.joint(name)
         if joint is None:
             return score.errors
-        parts = (1.0 - joint.share) * self.size_error(name), joint.share * joint.error
+        parts = (1.0 - joint.share) * self.sized(name).error, joint.share * joint.error
         size = abs(float(score.estimate[0])) * float(np.linalg.norm(parts))
         return {**score.errors, score.keys[0]: size}
 

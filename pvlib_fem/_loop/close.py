@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, cast
 
 import numpy as np
@@ -20,7 +20,11 @@ from pvlib_fem._loop.conclude import check_of_bounds, finding_of, hint_of
 from pvlib_fem._loop.correct_clock import module_clock
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.cross_checks import cross_checked, log_likelihoods
+from pvlib_fem._loop.cross_checks import (
+    cross_checked,
+    log_likelihoods,
+    log_likelihoods_of_sizes,
+)
 from pvlib_fem._loop.design import Changed
 from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.edge_weeks import by_power, edge_weeks
@@ -470,8 +474,11 @@ class Search:
             # before another plane an obstacle has no place
             self.untestable |= dict.fromkeys(names, why)
             closed = closed | {*names}
+        likelihoods = partial(
+            log_likelihoods_of_sizes, self.references, step.coefficients
+        )
         selection, choices = selected(
-            design, case.criteria, closed, begin, self.shown_changes
+            design, case.criteria, closed, begin, self.shown_changes, likelihoods
         )
         # the design has the hourly means of its columns, which are large
         evidence = replace(evidence, columns={})

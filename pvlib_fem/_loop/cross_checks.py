@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pvlib_fem._findings import OUTSIDE, CheckOutcome, CrossCheck
-from pvlib_fem._loop.choice import SizeByReference
+from pvlib_fem._loop.choice import SizeByReference, Sized
 from pvlib_fem._loop.comparisons import SLACK
 from pvlib_fem._loop.references import DailyDeviation, Shown
 from pvlib_fem.effects._effect import Effect
@@ -72,9 +72,48 @@ def log_likelihoods(
             if any_size or (name in effects and name not in choice.taken):
                 own = dated.get(name, first)
                 names = [name] if name in effects else concerned
-                shown = one.shown(choice, own, names, coefficients)
+                shown = one.shown(own, [*map(choice.sized, names)], coefficients)
                 if shown is not None:
                     logs[name] += log_likelihood(shown, any_size)
+    return logs
+
+
+def log_likelihoods_of_sizes(
+    references: Sequence[DailyDeviation],
+    coefficients: Mapping[str, float],
+    changes: Sequence[Sequence[Sized]],
+) -> list[float]:
+    """
+    Log-likelihood by references of each of several changes, given all others.
+
+    Parameters
+    ----------
+    references : sequence of DailyDeviation
+    coefficients : dict
+        Of the fitted model.
+    changes : sequence of sequences of Sized
+        Of each, the faults between which the temperature cannot decide. Its likelihood
+        is their mean.
+
+    Returns
+    -------
+    list of float
+    """
+    logs = []
+    for faults in changes:
+        others = [
+            one.effect for other in changes if other is not faults for one in other
+        ]
+        each = np.zeros(len(faults))
+        for reference in references:
+            mine = [i for i, one in enumerate(faults) if reference.concerns(one.effect)]
+            if not mine:
+                continue
+            given = reference.given_effects(filter(reference.concerns, others))
+            for i in mine:
+                shown = given.shown(faults[i].effect, [faults[i]], coefficients)
+                each[i] += 0.0 if shown is None else log_likelihood(shown, False)
+        logs.append(float(np.logaddexp.reduce(each) - np.log(len(each))))
     return logs
 
 
@@ -148,7 +187,7 @@ def cross_checked(
             and max(choice.probabilities[name], choice.weights[name]) >= WORTH
         ]
         alike.sort(key=lambda name: name != first.name)
-        shown = one.shown(choice, first, alike, coefficients)
+        shown = one.shown(first, [*map(choice.sized, alike)], coefficients)
         if shown is None:
             continue
         size, aged = shown.size, shown.aged
@@ -162,9 +201,10 @@ def cross_checked(
             outcome = outcome_of(size, value, error, shown.slack[name])
             # a trend of power may be its own, and is what a record is corrected for
             if value and not aged and outcome is not CheckOutcome.CONTRADICTS:
-                by_it = one.relative_size(choice, name, first, shown, coefficients)
-                mine = shown.slack[name], shows_it(shown, name)
-                size_by_it = SizeByReference((one.column,), *by_it, *mine)
+                mine = choice.sized(name)
+                by_it = one.relative_size(mine, first, shown, coefficients)
+                slack, its = shown.slack[name], shows_it(shown, name)
+                size_by_it = SizeByReference((one.column,), *by_it, slack, its)
                 sizes.setdefault(name, []).append(size_by_it)
             if (same := round(shown.expected[name], DIGITS)) in told:  # of the same law
                 continue

@@ -96,7 +96,7 @@ def unexplained(
     estimate = float(choice.score.estimate[0])
     seen, more = (
         reference.expected(effect, value, weights, this.coefficients)
-        for value in (estimate, estimate * (1.0 + choice.size_error(effect.name)))
+        for value in (estimate, estimate * (1.0 + choice.sized(effect.name).error))
     )
     error = abs(more - seen)
     outcome = outcome_of(seen, size, float(np.hypot(stderr, error)))

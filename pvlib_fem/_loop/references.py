@@ -28,7 +28,7 @@ from pvlib_fem.effects._time_profiles import is_dated, is_drift, weights_of
 from pvlib_fem.quality._clearsky import clear_sky
 
 if TYPE_CHECKING:
-    from pvlib_fem._loop.choice import Choice
+    from pvlib_fem._loop.choice import Choice, Sized
     from pvlib_fem._loop.divided_record import Case
 
 FADES = 0.005  # of power by a module that ages; up to twice as much, or none [1/year]
@@ -199,6 +199,10 @@ class DailyDeviation:
             explained = beyond[best] * part[best] / squares[best]
         return rest - explained
 
+    def concerns(self, effect: Effect) -> bool:
+        """Whether it would show something of a change."""
+        return kind(effect) in self.comparison.shows and is_dated(effect)
+
     def concerned(self, choice: "Choice") -> list[str]:
         """Members of a choice of which it would show something."""
         members = choice.members.items()
@@ -206,45 +210,41 @@ class DailyDeviation:
 
     def shown(
         self,
-        choice: "Choice",
         first: Effect,
-        names: Sequence[str],
+        several: Sequence["Sized"],
         coefficients: Mapping[str, float],
     ) -> Shown | None:
         """
-        Its deviation along the profile of an effect, and what members would make it.
+        Its deviation along the profile of an effect, and what candidates would make it.
 
         None where it shows nothing.
         """
         weights = weights_of(first, self.days)
-        if not names or not self.sees(weights):
+        if not several or not self.sees(weights):
             return None
         size, error, residual = self.along(weights)
         # one that acts on some days is compared with as many others, not with weeks
         if not first.sensor_fault:
             error = by_accident(weights > 0.0, residual)
         expected, slack = {}, {}
-        for name in names:
-            effect, score = choice.members[name].effect, choice.scores[name]
-            estimate = float(score.estimate[0])
-            expected[name] = self.expected(effect, estimate, weights, coefficients)
-            slack[name] = float(np.hypot(SLACK, choice.size_error(name)))
+        for effect, of_fit, relative in several:
+            name = effect.name
+            expected[name] = self.expected(effect, of_fit, weights, coefficients)
+            slack[name] = float(np.hypot(SLACK, relative))
         aged = FADES if self.comparison.ages and is_drift(first) else 0.0
         return Shown(size, error, expected, slack, aged)
 
     def relative_size(
         self,
-        choice: "Choice",
-        name: str,
+        one: "Sized",
         first: Effect,
         shown: Shown,
         coefficients: Mapping[str, float],
     ) -> tuple[float, float]:
-        """The size of a member by what is shown, relative to the fit, and its error."""
-        effect = choice.members[name].effect
-        size = float(choice.scores[name].estimate[0])
+        """The size of a change by what is shown, relative to the fit, and its error."""
+        effect, size, _ = one
         weights = weights_of(first, self.days)
-        ratio, value = 1.0, shown.expected[name]
+        ratio, value = 1.0, shown.expected[effect.name]
         # the logarithm of a ratio is not proportional to it
         for _ in range(MOST_TURNS):
             slope, before = ratio / value, ratio
@@ -271,7 +271,10 @@ class DailyDeviation:
         shows = self.comparison.shows[kind(effect)]
         with np.errstate(invalid="ignore", divide="ignore"):
             shown = shows(change, coefficients)
-        return self.along(along, shown)[0] if np.isfinite(shown).all() else 0.0
+        if not np.isfinite(shown).all():
+            return 0.0
+        beyond = along - self.basis @ (self.basis.T @ along)
+        return float(shown @ beyond / (along @ beyond))
 
 
 def by_accident(there: np.ndarray, residual: np.ndarray) -> float:

@@ -1,6 +1,6 @@
 """Selection of candidates by the remaining error: which single effects there are."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
@@ -9,9 +9,9 @@ import numpy as np
 
 from pvlib_fem._loop.change_dates import Scan
 from pvlib_fem._loop.change_sums import PROFILE_ERROR, UNSEEN, dates_cost
-from pvlib_fem._loop.choice import Choice, Score
+from pvlib_fem._loop.choice import Choice, Score, Sized
 from pvlib_fem._loop.criteria import TINY, Criteria
-from pvlib_fem._loop.design import Column, Design
+from pvlib_fem._loop.design import Changed, Column, Design
 from pvlib_fem._loop.dictionary import (
     Candidate,
     all_candidates,
@@ -32,12 +32,16 @@ from pvlib_fem._statistics.weekly_sums import (
 )
 from pvlib_fem.effects import CHANGES
 from pvlib_fem.effects._effect import Effect
+from pvlib_fem.effects._time_profiles import is_dated
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.references import DailyDeviation
 
 BETTER = 1.02  # times as much as another explains a candidate has to, to replace it
 OVERLAP = 0.3  # share of the best one's part, from which another is its rival
+#: log-likelihood by references of each of several changes, given all others
+Likelihoods = Callable[[Sequence[Sequence[Sized]]], Sequence[float]]
+MOST_SHOWN = 5.0  # log-likelihood by all references of a model with one candidate more
 DOUBT = 0.5  # probability below which another is no rival
 SWEEPS = 4  # times that every choice is made anew given the others
 MOST = 10  # effects in one model
@@ -49,6 +53,7 @@ def selected(
     closed: frozenset[str],
     begin: Sequence[Choice],
     shown: Mapping[str, "ShownChange"],
+    likelihoods: "Likelihoods",
 ) -> tuple["Selection", list[Choice]]:
     """
     A selection and its choices, given the noise that remains.
@@ -63,13 +68,15 @@ def selected(
         Choices from which the selection begins, perhaps of another design.
     shown : dict of ShownChange
         Changes that a second sensor or power shows, by name.
+    likelihoods : callable
+        Log-likelihoods by references of several changes and their sizes.
 
     Returns
     -------
     Selection, list of Choice
         Before other choices are tried by :meth:`Selection.refined`.
     """
-    selection = Selection(design, criteria, closed, shown=shown)
+    selection = Selection(design, criteria, closed, (), shown, likelihoods)
     choices = selection.run(placed_choices(design, begin, closed))
     given = selection.given(choices)
     if noise := random_effects(design, given, selection.least):
@@ -196,9 +203,12 @@ class Selection:
     noise: tuple[Table, ...] = ()
     #: changes that a second sensor or power shows, by name
     shown: Mapping[str, ShownChange] = field(default_factory=dict)
+    likelihoods: Likelihoods | None = None
     #: candidates given some columns, and what each explains
     known: dict[frozenset[Column], list[Candidate]] = field(default_factory=dict)
     scores: dict[tuple, Score] = field(default_factory=dict)
+    #: log-likelihoods by references of the changes among some columns
+    logs: dict[frozenset[Column], dict[Column, float]] = field(default_factory=dict)
 
     @cached_property
     def seen(self) -> Design:
@@ -320,7 +330,7 @@ class Selection:
                 others = [*choices[:i], *choices[i + 1 :]]
                 now = self.score(mine.top, self.given(others))
                 holds = self.holds(now)
-                least = BETTER * worth(mine.top, now) if holds else 0.0
+                least = BETTER * self.worth(mine.top, now) if holds else 0.0
                 better = self.best(others, least, without)
                 if better is not None:
                     changed = changed or better.top.columns != mine.top.columns
@@ -435,15 +445,32 @@ class Selection:
         falls, most = self.in_sample(others, given), least
         # on weeks left out it seldom explains more than on those that are fitted
         bounds = falls * [worth_share(one, 1.0 / PROFILE_ERROR) for one in others]
+        if self.likelihoods is not None:
+            bounds += falls * self.nat * MOST_SHOWN
         for i in largest_first(bounds):
             if bounds[i] < most:
                 break
             if falls[i] < self.least * self.acting(others[i]):
                 continue
             score = self.score(others[i], given)
-            if self.holds(score) and worth(others[i], score) > most * (1.0 + ALIKE):
-                best, most = Choice(others[i], score), worth(others[i], score)
+            worth = self.worth(others[i], score)
+            if self.holds(score) and worth > most * (1.0 + ALIKE):
+                best, most = Choice(others[i], score), worth
         return best
+
+    def worth(self, one: Candidate, score: Score) -> float:
+        """
+        What a candidate explains, less what its dates cost, by references, too. [K²]
+
+        Laws are compared by their error, as in the posterior, and so are references.
+        """
+        sure = min(score.z_score, 1.0 / PROFILE_ERROR)
+        return score.fall * (worth_share(one, sure) + self.nat * score.shown)
+
+    @property
+    def nat(self) -> float:
+        """Share of what a law explains that is one unit of its log-likelihood."""
+        return 2.0 * self.criteria.law_error**2
 
     def best_shown(self, choices: Sequence[Choice]) -> Choice | None:
         """A change that a reference and the temperature show, or None."""
@@ -533,6 +560,11 @@ class Selection:
         there = one.existence(rows.values(), seen, null, freedom)
         fits = within_bounds(rows.values(), estimate, np.sqrt(np.diag(covariance)))
         gain, acting = gain / design.count, self.acting(one)
+        shown = 0.0
+        if fits and gain > 0.0:
+            shown, beside = self.shown_with(one, given)
+            # those that gave a change its dates are in its odds already
+            there = updated(there, beside if one.dates_known else shown)
         self.scores[key] = Score(
             tuple(rows),
             gain,
@@ -544,8 +576,63 @@ class Selection:
             null,
             freedom,
             acting,
+            shown,
         )
         return self.scores[key]
+
+    def shown_with(
+        self, one: Candidate, given: Sequence[Column]
+    ) -> tuple[float, float]:
+        """
+        By how much a candidate increases the log-likelihood of references.
+
+        That of all changes, and that of the others. References are not independent of
+        each other, so that no more than some counts.
+        """
+        before = sum(self.by_references(given).values())
+        after = self.by_references([*given, *one.beyond(given)])
+        own = sum(log for column, log in after.items() if column in one.columns)
+        more = np.array([sum(after.values()), sum(after.values()) - own]) - before
+        shown, beside = np.clip(more, -MOST_SHOWN, MOST_SHOWN).tolist()
+        return shown, beside
+
+    def by_references(self, columns: Sequence[Column]) -> dict[Column, float]:
+        """
+        Log-likelihood by references of each effect with dates, by its first column.
+
+        Its size is that of least squares of all columns: where another effect would
+        alter it, references may contradict both.
+        """
+        effects = self.dated_effects(columns)
+        key = frozenset(columns)
+        if self.likelihoods is None or not effects or key in self.logs:
+            return self.logs.get(key, {})
+        others = [one for one in columns if one not in effects]
+        fit = LeastSquares(self.design.by_week([*others, *effects]), len(effects))
+        scale = self.design.scales([*effects])
+        sizes = fit.estimate / scale
+        errors = np.sqrt(np.diag(fit.covariance)) / scale
+        sized = [
+            [
+                Sized.from_errors(effect, float(size), float(error))
+                for effect in (one, *self.design.of_same_law(one))
+            ]
+            for one, size, error in zip(effects.values(), sizes, errors)
+        ]
+        self.logs[key] = dict(zip(effects, self.likelihoods(sized)))
+        return self.logs[key]
+
+    def dated_effects(self, columns: Sequence[Column]) -> dict[Column, Effect]:
+        """Effects with dates among some columns, by the first column of each."""
+        found: dict[Column, Effect] = {}
+        for one in columns:
+            if isinstance(one, Changed):
+                found[one] = one.effect
+        for name, (first, *_) in self.design.own.items():
+            effect = self.design.effects[name]
+            if first in columns and is_dated(effect):
+                found[first] = effect
+        return found
 
     def weighed(self, choice: Choice, others: Sequence[Choice]) -> Choice:
         """A choice with its rivals, by how much of its part each explains."""
@@ -622,12 +709,6 @@ class Selection:
         }
 
 
-def worth(one: Candidate, score: Score) -> float:
-    """What a candidate explains, less what its dates cost. [K²]"""
-    sure = min(score.z_score, 1.0 / PROFILE_ERROR)
-    return score.fall * worth_share(one, sure)
-
-
 def worth_share(one: Candidate, sure: float) -> float:
     """
     Share of what a candidate explains beyond the cost of its dates.
@@ -637,6 +718,11 @@ def worth_share(one: Candidate, sure: float) -> float:
     """
     cost = dates_cost(one.dates, sure)
     return 1.0 - 2.0 * cost / max(sure, 1e-12) ** 2
+
+
+def updated(probability: float, log_likelihood: float) -> float:
+    """A probability by further evidence."""
+    return float(1.0 / (1.0 + np.exp(-log_odds(probability) - log_likelihood)))
 
 
 def dates_of(choices: Iterable[Choice]) -> int:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from pvlib_fem._findings import OUTSIDE
 from pvlib_fem._loop.choice import Choice
 from pvlib_fem._loop.close import Round
 from pvlib_fem._loop.criteria import HALF
-from pvlib_fem._loop.cross_checks import log_likelihoods
+from pvlib_fem._loop.cross_checks import log_likelihoods, log_likelihoods_of_sizes
 from pvlib_fem._loop.design import Changed, Column, Design
 from pvlib_fem._loop.dictionary import Candidate
 from pvlib_fem._loop.divided_record import Case
@@ -155,7 +156,14 @@ class Look:
             return False  # too small for any set
         references = [self.shown_by(one, sum(parts)) for one in self.references]
         shown = shown_changes(references, limits)
-        selection, choices = selected(design, limits, closed, self.choices, shown)
+        selection, choices = selected(
+            design,
+            limits,
+            closed,
+            self.choices,
+            shown,
+            partial(log_likelihoods_of_sizes, references, self.coefficients),
+        )
         choices = selection.refined(choices)
         for i, one in enumerate(choices):
             others = [*choices[:i], *choices[i + 1 :]]

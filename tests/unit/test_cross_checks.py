@@ -13,10 +13,14 @@ from test_instruments import DATES, closed, dated, half_a_year, with_change  # n
 
 from pvlib_fem import close_loop, simulator
 from pvlib_fem._findings import CheckOutcome, Finding, Verdict
-from pvlib_fem._loop.choice import Choice
+from pvlib_fem._loop.choice import Choice, Sized
 from pvlib_fem._loop.comparisons import COMPARISONS, SKY, USUAL_WIND
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.cross_checks import log_likelihoods, outcome_of
+from pvlib_fem._loop.cross_checks import (
+    log_likelihoods,
+    log_likelihoods_of_sizes,
+    outcome_of,
+)
 from pvlib_fem._loop.dictionary import Candidate
 from pvlib_fem._loop.reference_faults import given_others
 from pvlib_fem._loop.references import DailyDeviation, daily_deviations, usual_days
@@ -316,6 +320,46 @@ def test_a_second_change_is_not_confirmed_by_what_shows_the_first():
     assert abs(beside) < 3.0 * error and abs(beside) < 0.1 * abs(alone)
     # which takes all of the step's own deviation
     assert not reference.given([chosen]).sees(weights_of(step, reference.days))
+
+
+def test_a_reference_says_how_likely_sizes_of_several_changes_are():
+    """Of a sensor that reads 10 % less from a day on."""
+    days = np.arange(400)
+    apart = noise_of(2, days, 0.01) + np.log1p(0.1) * (days >= 110)
+    power = deviation_of("power_ac", apart)
+    step, light, other, contact = (
+        CHANGES[name].make(at="2022-04-28")
+        for name in (
+            "irradiance_sensor_step",
+            "module_irradiance_step",
+            "time_constant_step",
+            "module_sensor_contact_step",
+        )
+    )
+
+    def logs(*changes):
+        return log_likelihoods_of_sizes([power], {}, changes)
+
+    right, wrong, nothing = (
+        logs([Sized(step, size, 0.1)])[0] for size in (0.1, -0.27, 1e-9)
+    )
+    # which is neither that of the other sign nor nothing
+    assert 3.0 < right < 6.0 and abs(wrong) < 0.1 and abs(nothing) < 0.1
+    steady = deviation_of("power_ac", noise_of(2, days, 0.01))
+    assert log_likelihoods_of_sizes([steady], {}, [[Sized(step, 0.1, 0.1)]])[0] < -2.0
+    # the other faults of a law share the likelihood, and power shows no contact
+    assert logs([Sized(step, 0.1, 0.1), Sized(light, 0.1, 0.1)]) == [right]
+    assert logs([Sized(contact, 0.1, 0.1)]) == [0.0]
+    half = np.log((np.exp(right) + 1.0) / 2.0)
+    faults = [Sized(step, 0.1, 0.1), Sized(contact, 0.1, 0.1)]
+    assert logs(faults) == [pytest.approx(half)]
+    # one that power does not show takes nothing of a step, and a trend after it does
+    sized = Sized(step, 0.1, 0.1)
+    assert logs([sized], [Sized(other, 0.2, 0.1)]) == [right, 0.0]
+    drift = CHANGES["irradiance_sensor_drift"].make(start="2022-04-28")
+    (alone,) = logs([Sized(drift, 0.15, 0.1)])
+    of_step, of_drift = logs([sized], [Sized(drift, 0.15, 0.1)])
+    assert alone > 2.0 and of_drift < 0.0 < of_step
 
 
 def test_power_has_worse_odds_than_a_second_sensor():

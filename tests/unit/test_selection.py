@@ -15,7 +15,7 @@ from pvlib_fem._loop.choice import Choice, SizeByReference
 from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.conclude import range_around, range_of
 from pvlib_fem._loop.design import Changed, Design
-from pvlib_fem._loop.dictionary import Candidate, all_candidates
+from pvlib_fem._loop.dictionary import Candidate, all_candidates, log_odds
 from pvlib_fem._loop.hourly_tangents import filled, independent_columns
 from pvlib_fem._loop.noise import (
     WithinCells,
@@ -27,7 +27,7 @@ from pvlib_fem._loop.noise import (
     with_outside,
 )
 from pvlib_fem._loop.posterior import posterior
-from pvlib_fem._loop.selection import OVERLAP, Selection, ShownChange
+from pvlib_fem._loop.selection import MOST_SHOWN, OVERLAP, Selection, ShownChange
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,
@@ -361,7 +361,7 @@ def test_a_range_reaches_the_mean_with_a_reference_that_cannot_tell():
 def test_a_size_is_the_mean_of_temperature_and_reference(ratio):
     """The surer one has more weight, and the mean is surer than each of them."""
     best, name, key = offset_by_reference()
-    alone, other = best.coefficients(name)[key], best.size_error(name)
+    alone, other = best.coefficients(name)[key], best.sized(name).error
     for error, times in {1e-4: ratio, other: 0.5 * (1.0 + ratio), 100.0: 1.0}.items():
         shown = dict(ratio=ratio, error=error, other=other)
         best, *_ = offset_by_reference(**shown, shows_it=True)
@@ -1139,6 +1139,75 @@ def test_a_date_that_a_second_sensor_shows_is_taken_unless_another_is_better(
     (top,) = selection.candidates([*made.base])
     assert top.effect.settings["at"] == str(np.datetime64(START + taken, "D"))
     assert top.dates == (shown != taken) and top.dates_known == (shown == taken)
+
+
+def two_changes():
+    """A step of the module's offset, and a trend that begins with it, beside a wave."""
+    days, hours = clock(300)
+    step, ramp = days >= 200, np.clip((days - 200) / 365.25, 0.0, None)
+    rest = 0.2 * step + 1.5 * ramp + noise(np.random.default_rng(5), len(days), 0.5)
+    names = "module_offset_step", "module_offset_drift"
+    columns = {"one": np.ones(len(days)), "wave": np.cos(hours / 4.0)}
+    made = design(rest, columns, days, hours, [CHANGES[name] for name in names])
+    date = str(np.datetime64(START + 200, "D"))
+    effects = (CHANGES[names[0]].make(at=date), CHANGES[names[1]].make(start=date))
+    one, other = (
+        Candidate(effect, made.columns_of(effect), float(np.log(CRITERIA.prior_odds)))
+        for effect in effects
+    )
+    return made, one, other
+
+
+@pytest.mark.parametrize("shown", [-3.0, 0.0, 3.0, 30.0])
+def test_references_count_among_the_odds_of_a_change(shown):
+    """By no more than a limit, and in the unit of what it explains."""
+    made, one, _ = two_changes()
+    given = [*made.base]
+    plain = Selection(made, CRITERIA).score(one, given)
+    by_all = Selection(made, CRITERIA, likelihoods=lambda sized: [shown] * len(sized))
+    score, odds = by_all.score(one, given), log_odds(plain.probability)
+    counts = min(shown, MOST_SHOWN)
+    assert score.shown == counts
+    assert log_odds(score.probability) == pytest.approx(odds + counts)
+    more = by_all.worth(one, score) - by_all.worth(one, plain)
+    assert more == pytest.approx(2.0 * CRITERIA.law_error**2 * counts * score.fall)
+
+
+def test_a_date_by_a_reference_has_its_odds_already():
+    made, one, _ = two_changes()
+    known = replace(one, dates_known=True)
+    plain = Selection(made, CRITERIA).score(known, [*made.base])
+    by_all = Selection(made, CRITERIA, likelihoods=lambda sized: [3.0] * len(sized))
+    score = by_all.score(known, [*made.base])
+    assert score.probability == pytest.approx(plain.probability)
+    assert score.shown == 3.0
+
+
+def test_an_effect_is_less_probable_if_a_reference_refuses_what_it_makes_of_another():
+    """Given a trend, the step has another size than a second sensor says."""
+    made, step, trend = two_changes()
+    seen = []
+
+    def likelihoods(changes):
+        # of the step it knows the size, of the trend nothing
+        (of_step,) = (one for (one, *_) in changes if one.effect is step.effect)
+        seen.append(of_step.size)
+        off = of_step.size - first.estimate[0]
+        return [
+            -0.5 * (off / 0.05) ** 2 if one.effect is step.effect else 0.0
+            for (one, *_) in changes
+        ]
+
+    first = Selection(made, CRITERIA).score(step, [*made.base])
+    given = [*made.base, *step.columns]
+    plain = Selection(made, CRITERIA).score(trend, given)
+    score = Selection(made, CRITERIA, likelihoods=likelihoods).score(trend, given)
+    before, after = seen
+    assert before == pytest.approx(first.estimate[0]) and after < 0.7 * before
+    expected = -0.5 * ((after - before) / 0.05) ** 2
+    assert score.shown == pytest.approx(max(expected, -MOST_SHOWN))
+    change = log_odds(score.probability) - log_odds(plain.probability)
+    assert change == pytest.approx(score.shown)
 
 
 def test_a_fault_is_weighed_with_all_its_time_profiles():
