@@ -63,7 +63,7 @@ def log_likelihoods(
         effects = {name: choice.members[name].effect for name in concerned}
         dated = {name: effect for name, effect in effects.items() if is_dated(effect)}
         for name, worse in one.profiles(dated.values()):
-            logs[name] += worse
+            logs[name] += one.weight * worse
         for name in logs:
             # an imitation of an effect by this power shows in it, too
             member = choice.top if name == OUTSIDE else choice.members[name]
@@ -74,7 +74,7 @@ def log_likelihoods(
                 names = [name] if name in effects else concerned
                 shown = one.shown(own, [*map(choice.sized, names)], coefficients)
                 if shown is not None:
-                    logs[name] += log_likelihood(shown, any_size)
+                    logs[name] += one.weight * log_likelihood(shown, any_size)
     return logs
 
 
@@ -112,7 +112,8 @@ def log_likelihoods_of_sizes(
             given = reference.given_effects(filter(reference.concerns, others))
             for i in mine:
                 shown = given.shown(faults[i].effect, [faults[i]], coefficients)
-                each[i] += 0.0 if shown is None else log_likelihood(shown, False)
+                if shown is not None:
+                    each[i] += reference.weight * log_likelihood(shown, False)
         logs.append(float(np.logaddexp.reduce(each) - np.log(len(each))))
     return logs
 
@@ -202,10 +203,11 @@ def cross_checked(
             # a trend of power may be its own, and is what a record is corrected for
             if value and not aged and outcome is not CheckOutcome.CONTRADICTS:
                 mine = choice.sized(name)
-                by_it = one.relative_size(mine, first, shown, coefficients)
+                ratio, off = one.relative_size(mine, first, shown, coefficients)
+                off /= np.sqrt(one.weight)
                 slack, its = shown.slack[name], shows_it(shown, name)
-                size_by_it = SizeByReference((one.column,), *by_it, slack, its)
-                sizes.setdefault(name, []).append(size_by_it)
+                by_it = SizeByReference((one.column,), ratio, off, slack, its)
+                sizes.setdefault(name, []).append(by_it)
             if (same := round(shown.expected[name], DIGITS)) in told:  # of the same law
                 continue
             told.add(same)

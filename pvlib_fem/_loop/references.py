@@ -18,6 +18,7 @@ from pvlib_fem._loop.comparisons import (
     Comparison,
 )
 from pvlib_fem._loop.noise import density
+from pvlib_fem._record.column_names import is_power
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.clusters import WEEK, date_starts, week_numbers
 from pvlib_fem._statistics.weekly_sums import LeastSquares, products
@@ -69,6 +70,8 @@ class DailyDeviation:
     #: of an effect of a size, more light on the modules [-]
     light: Callable[[Effect, float], np.ndarray]
     others: tuple[np.ndarray, ...] = ()  # daily columns of changes that are known
+    #: of its evidence; columns of power are of the same modules and count once together
+    weight: float = 1.0
 
     @cached_property
     def usual(self) -> list[np.ndarray]:
@@ -325,12 +328,14 @@ def daily_deviations(case: "Case") -> list[DailyDeviation]:
         One for each comparison and column that serves it.
     """
     columns, at = compared_columns(case), (case.record, case.searched)
-    return [
+    found = [
         one
         for comparison in COMPARISONS
         for name in filter(comparison.serves, columns)
         if (one := daily_deviation(comparison, *at, name, columns[name])) is not None
     ]
+    powers = [one for one in found if is_power(one.column)]
+    return [replace(o, weight=1.0 / len(powers)) if o in powers else o for o in found]
 
 
 def daily_deviation(

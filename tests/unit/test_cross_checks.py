@@ -60,6 +60,23 @@ def test_power_names_the_irradiance_sensor_or_the_light(half_a_year):  # noqa: F
     assert "power_ac and the sensor differ" in first.why
 
 
+def test_two_columns_of_power_are_evidence_once(half_a_year):  # noqa: F811
+    """Power before and after the inverters is that of the same modules."""
+    data, _ = with_change(half_a_year)
+    data = with_power(data, 0.1)
+    data["poa_global"] /= 1.0 + 0.1 * after(data)
+    one, two = (
+        closed(frame).finding_objects[0]
+        for frame in (data, data.assign(power_dc=1.05 * data["power_ac"]))
+    )
+    assert one.candidates == two.candidates
+    assert two.probabilities == pytest.approx(one.probabilities, abs=1e-6)
+    assert two.coefficients == pytest.approx(one.coefficients, rel=1e-6)
+    assert two.stderr == pytest.approx(one.stderr, rel=1e-6)
+    columns = {check.column for check in two.cross_checks}
+    assert columns >= {"power_ac", "power_dc"}
+
+
 def test_a_threshold_decides_only_whether_a_finding_is_in_the_model(half_a_year):  # noqa: F811
     """What it keeps out is one hint, with the causes and checks of the finding."""
     data, _ = with_change(half_a_year)
