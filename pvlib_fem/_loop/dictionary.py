@@ -74,17 +74,19 @@ class Candidate:
         estimate: np.ndarray,
         covariance: np.ndarray,
         freedom: float,
+        shown: float = 0.0,
     ) -> float:
         """
         Probability that it is there, by its estimate and the error by accident alone.
 
         Wakefield's approximate Bayes factor, with the tails of Student's law for so
-        many weeks.
+        many weeks, times the likelihood ratio of references, of which ``shown`` is the
+        logarithm.
         """
         plain, wide, volume = squared_distances(rows, estimate, covariance)
         tails = np.log1p(plain / freedom) - np.log1p(wide / freedom)
         log_factor = -0.5 * volume + 0.5 * (freedom + len(estimate)) * tails
-        log_odds = log_factor + self.log_prior - self.log_dates
+        log_odds = log_factor + shown + self.log_prior - self.log_dates
         return float(1.0 / (1.0 + np.exp(-np.clip(log_odds, -500.0, 500.0))))
 
     def size_seen(

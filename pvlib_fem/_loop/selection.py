@@ -39,12 +39,12 @@ if TYPE_CHECKING:
 
 BETTER = 1.02  # times as much as another explains a candidate has to, to replace it
 OVERLAP = 0.3  # share of the best one's part, from which another is its rival
-#: log-likelihood by references of each of several changes, given all others
-Likelihoods = Callable[[Sequence[Sequence[Sized]]], Sequence[float]]
-MOST_SHOWN = 5.0  # log-likelihood by all references of a model with one candidate more
 DOUBT = 0.5  # probability below which another is no rival
+MOST_SHOWN = 5.0  # log-likelihood by all references that one candidate adds or takes
 SWEEPS = 4  # times that every choice is made anew given the others
 MOST = 10  # effects in one model
+#: log-likelihood by references of each of several changes, given all others
+Likelihoods = Callable[[Sequence[Sequence[Sized]]], Sequence[float]]
 
 
 def selected(
@@ -53,7 +53,7 @@ def selected(
     closed: frozenset[str],
     begin: Sequence[Choice],
     shown: Mapping[str, "ShownChange"],
-    likelihoods: "Likelihoods",
+    likelihoods: Likelihoods,
 ) -> tuple["Selection", list[Choice]]:
     """
     A selection and its choices, given the noise that remains.
@@ -557,14 +557,14 @@ class Selection:
             null, freedom = self.seen.placebo(given, own, whitened)
         rows, null = one.rows(design), null / unit
         seen = whitened.estimate / scale
-        there = one.existence(rows.values(), seen, null, freedom)
         fits = within_bounds(rows.values(), estimate, np.sqrt(np.diag(covariance)))
         gain, acting = gain / design.count, self.acting(one)
-        shown = 0.0
+        shown = beside = 0.0
         if fits and gain > 0.0:
             shown, beside = self.shown_with(one, given)
-            # those that gave a change its dates are in its odds already
-            there = updated(there, beside if one.dates_known else shown)
+        # those that gave a change its dates are in its odds already
+        new = beside if one.dates_known else shown
+        there = one.existence(rows.values(), seen, null, freedom, new)
         self.scores[key] = Score(
             tuple(rows),
             gain,
@@ -718,11 +718,6 @@ def worth_share(one: Candidate, sure: float) -> float:
     """
     cost = dates_cost(one.dates, sure)
     return 1.0 - 2.0 * cost / max(sure, 1e-12) ** 2
-
-
-def updated(probability: float, log_likelihood: float) -> float:
-    """A probability by further evidence."""
-    return float(1.0 / (1.0 + np.exp(-log_odds(probability) - log_likelihood)))
 
 
 def dates_of(choices: Iterable[Choice]) -> int:
