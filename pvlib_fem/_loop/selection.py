@@ -586,8 +586,8 @@ class Selection:
         """
         By how much a candidate increases the log-likelihood of references.
 
-        That of all changes, and that of the others. References are not independent of
-        each other, so that no more than some counts.
+        Of all effects with dates, and of those that are given. References are not
+        independent of each other, so that each counts as ``MOST_SHOWN`` at most.
         """
         before = sum(self.by_references(given).values())
         after = self.by_references([*given, *one.beyond(given)])

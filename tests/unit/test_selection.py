@@ -1142,7 +1142,7 @@ def test_a_date_that_a_second_sensor_shows_is_taken_unless_another_is_better(
 
 
 def two_changes():
-    """A step of the module's offset, and a trend that begins with it, beside a wave."""
+    """A step of the module's offset, and a trend that begins with it."""
     days, hours = clock(300)
     step, ramp = days >= 200, np.clip((days - 200) / 365.25, 0.0, None)
     rest = 0.2 * step + 1.5 * ramp + noise(np.random.default_rng(5), len(days), 0.5)
