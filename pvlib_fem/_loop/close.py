@@ -362,6 +362,8 @@ class Search:
     untestable: dict[str, Because] = field(default_factory=dict)
     own: OwnSteps | None = None  # of files, of which the case has means
     usual: frozenset[str] = frozenset()  # names of effects that are no findings
+    #: effects as the last round that found their place or time has them, by name
+    located: dict[str, Effect] = field(default_factory=dict)
     last: Round | None = None  # that which chose what is in the model
 
     @property
@@ -460,7 +462,8 @@ class Search:
         case = self.case
         there = {e.name for e in step.model.effects if not e.sensor_fault}
         wanted = [effect for effect in case.wanted if effect.name not in there]
-        evidence = self.fits.gathered(step, wanted)
+        evidence = self.fits.gathered(step, wanted, self.located)
+        self.located |= evidence.effects
         lifted = [e for e in step.model.effects if e.name not in self.usual]
         record = self.fits.ready["coarse"][1]
         design = design_of_evidence(

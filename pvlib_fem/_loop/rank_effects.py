@@ -159,7 +159,7 @@ def rank_effects(
         coefficients = {**model.steady_model.fixed, **fit.coefficients}
         bounds, least = fit.at_bound, criteria.min_hint_reduction
         evidence = gather_evidence(
-            model, coefficients, record, seen, testable, bounds, least
+            model, coefficients, record, seen, testable, bounds, least, {}
         )
         design = design_of_evidence(evidence, record, drivers, (), coefficients)
         selection = Selection(design, criteria)

@@ -223,8 +223,17 @@ class Fits:
         effects = tuple(tabled[effect.name][1] for effect in model.effects)
         return larger, replace(model, effects=effects)
 
-    def gathered(self, step: Step, candidates: Sequence[Effect]) -> Evidence:
-        """Evidence of some effects given a step, on the coarse fitting rows."""
+    def gathered(
+        self,
+        step: Step,
+        candidates: Sequence[Effect],
+        located: Mapping[str, Effect],
+    ) -> Evidence:
+        """
+        Evidence of some effects given a step, on the coarse fitting rows.
+
+        ``located`` are effects where scans of other steps found them.
+        """
         case = self.case
         self.prepared(case.record, step.model)
         base, record, tabled = self.ready["coarse"]
@@ -239,6 +248,7 @@ class Fits:
             candidates,
             step.at_bound,
             case.criteria.min_hint_reduction,
+            located,
         )
 
 

@@ -90,6 +90,7 @@ def gather_evidence(
     candidates: Iterable[Effect],
     fixed: Collection[str],
     least: float,
+    located: Mapping[str, Effect],
 ) -> Evidence:
     """
     Evidence for candidates given a model at its minimum.
@@ -110,6 +111,9 @@ def gather_evidence(
         Coefficients that are held, or at a bound, where they stay.
     least : float
         Gain from which the edges of an obstacle before the sun are fitted. [K]
+    located : dict of Effect
+        Where scans of other models found effects, by name: another effect of this model
+        may explain what they found.
 
     Returns
     -------
@@ -167,6 +171,7 @@ def gather_evidence(
         narrow = located_effect(
             unlocated, scan, own, known, inputs, wide.drivers, least
         )
+        narrow = narrow or located.get(wide.name)
         if narrow is None:
             failed[wide.name] = because(wide.not_found)
             continue

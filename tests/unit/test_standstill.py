@@ -1,6 +1,7 @@
 """A tracker whose modules are stuck while the irradiance sensor moves."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -12,6 +13,8 @@ from pvlib.location import Location
 import pvlib_fem as fem
 from pvlib_fem import simulator
 from pvlib_fem._findings import CheckOutcome
+from pvlib_fem._loop import tangents
+from pvlib_fem._loop.close import Search
 from pvlib_fem._record.inputs import read
 from pvlib_fem.drivers import derive_drivers, geometry
 from pvlib_fem.drivers._solar import on_plane
@@ -292,6 +295,27 @@ def test_power_shows_the_days_of_test_weeks(at_an_edge):
     weeks = loop.weeks[EDGE.start : "2023-06-13"]
     assert (weeks == "test").any() and (weeks == "fitting").any()
     assert dates_of(loop) == (EDGE.start, EDGE.end)
+
+
+def test_an_effect_that_another_explains_keeps_its_place(at_an_edge, monkeypatch):
+    """Else a standstill is no rival of a cover once that is in the model."""
+    effects, round_of, scanned = [], Search.round, tangents.located_effect
+
+    def first_alone(search, step, begin):
+        """A round, in which scans find nothing if it is not the first one."""
+        search.closed |= {"tracker_stuck"}  # so that another one is in the model
+        scan = scanned if not search.located else lambda *given: None
+        monkeypatch.setattr(tangents, "located_effect", scan)
+        this = round_of(search, step, begin)
+        design = this.selection.design
+        assert "tracker_stuck" in design.own
+        effects.append((search, design.effects["tracker_stuck"].settings))
+        return this
+
+    monkeypatch.setattr(Search, "round", first_alone)
+    fem.close_loop(at_an_edge[[*USUAL, "p_dc_per_area"]], location=WHERE)
+    pairs = [(a, b) for (one, a), (two, b) in pairwise(effects) if one is two]
+    assert pairs and all(before == after for before, after in pairs)
 
 
 def test_a_standstill_within_a_test_week_is_found_if_power_shows_it():
