@@ -110,10 +110,14 @@ def log_likelihoods_of_sizes(
             if not mine:
                 continue
             given = reference.given_effects(filter(reference.concerns, others))
-            for i in mine:
-                shown = given.shown(faults[i].effect, [faults[i]], coefficients)
-                if shown is not None:
-                    each[i] += reference.weight * log_likelihood(shown, False)
+            # faults of one law have the same dates, along which it deviates once
+            first, several = faults[mine[0]].effect, [faults[i] for i in mine]
+            shown = given.shown(first, several, coefficients)
+            if shown is None:
+                continue
+            for i, (name, value) in zip(mine, shown.expected.items()):
+                alone = replace(shown, expected={name: value})
+                each[i] += reference.weight * log_likelihood(alone, False)
         logs.append(float(np.logaddexp.reduce(each) - np.log(len(each))))
     return logs
 

@@ -589,24 +589,26 @@ class Selection:
         Of all effects with dates, and of those that are given. References are not
         independent of each other, so that each counts as ``MOST_SHOWN`` at most.
         """
-        before = sum(self.by_references(given).values())
-        after = self.by_references([*given, *one.beyond(given)])
+        before = sum(self.logs_by_references(given).values())
+        after = self.logs_by_references([*given, *one.beyond(given)])
         own = sum(log for column, log in after.items() if column in one.columns)
         more = np.array([sum(after.values()), sum(after.values()) - own]) - before
         shown, beside = np.clip(more, -MOST_SHOWN, MOST_SHOWN).tolist()
         return shown, beside
 
-    def by_references(self, columns: Sequence[Column]) -> dict[Column, float]:
+    def logs_by_references(self, columns: Sequence[Column]) -> dict[Column, float]:
         """
         Log-likelihood by references of each effect with dates, by its first column.
 
         Its size is that of least squares of all columns: where another effect would
         alter it, references may contradict both.
         """
-        effects = self.dated_effects(columns)
         key = frozenset(columns)
-        if self.likelihoods is None or not effects or key in self.logs:
+        if self.likelihoods is None or key in self.logs:
             return self.logs.get(key, {})
+        effects = self.dated_effects(columns)
+        if not effects:
+            return {}
         others = [one for one in columns if one not in effects]
         fit = LeastSquares(self.design.by_week([*others, *effects]), len(effects))
         scale = self.design.scales([*effects])
@@ -624,10 +626,9 @@ class Selection:
 
     def dated_effects(self, columns: Sequence[Column]) -> dict[Column, Effect]:
         """Effects with dates among some columns, by the first column of each."""
-        found: dict[Column, Effect] = {}
-        for one in columns:
-            if isinstance(one, Changed):
-                found[one] = one.effect
+        found: dict[Column, Effect] = {
+            one: one.effect for one in columns if isinstance(one, Changed)
+        }
         for name, (first, *_) in self.design.own.items():
             effect = self.design.effects[name]
             if first in columns and is_dated(effect):
