@@ -22,8 +22,8 @@ from ._fitting.horizontal import transpose_record as transpose_record
 from ._fitting.stand_ins import fill_record as fill_record
 from ._loop.close import close_loop as close_loop
 from ._loop.criteria import Criteria as Criteria
-from ._loop.loop_result import Loop as Loop
-from ._loop.rank_effects import rank_effects as rank_effects
+from ._loop.ranking.rank_effects import rank_effects as rank_effects
+from ._loop.results.loop_result import Loop as Loop
 from ._modelchain import DynamicCellTemperature as DynamicCellTemperature
 from ._record.logger_files import read_file as read_file
 from ._record.parquet import (

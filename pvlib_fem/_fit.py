@@ -16,8 +16,8 @@ from pvlib_fem._fitting.least_squares_fit import fit_source
 from pvlib_fem._fitting.parquet_fit import fit_files, in_files
 from pvlib_fem._fitting.search import with_fixed
 from pvlib_fem._former_names import keys_in_new_names
-from pvlib_fem._loop.planes import plane_of_columns, with_given
-from pvlib_fem._loop.replacements import Replacements
+from pvlib_fem._loop.preparation.planes import plane_of_columns, with_given
+from pvlib_fem._loop.preparation.replacements import Replacements
 from pvlib_fem._record.column_names import ALWAYS, COLUMNS, by_own_names, with_aliases
 from pvlib_fem._record.inputs import as_record
 from pvlib_fem._record.parquet import ParquetRecord, is_data_set

@@ -20,8 +20,8 @@ from study_page import publish
 
 from pvlib_fem import close_loop, datasets, recover_events, simulator
 from pvlib_fem._budget import covers_and_outages
-from pvlib_fem._loop import power_events
-from pvlib_fem._loop.power_events import EVENTS, KINDS
+from pvlib_fem._loop.references import power_events
+from pvlib_fem._loop.references.power_events import EVENTS, KINDS
 
 #: records, and seeds of days on which nothing was looked at before
 RECORDS = {"eurac_bolzano": (101,), "nrel_stf": (101, 102, 103)}

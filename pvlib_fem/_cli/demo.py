@@ -11,8 +11,8 @@ from pvlib_fem._cli.printing import say
 from pvlib_fem._cli.run_methods import loop_of_frame
 from pvlib_fem._findings import Kind, Verdict
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.progress import progress_line
+from pvlib_fem._loop.results.loop_result import Loop
 from pvlib_fem.drivers._record_site import site_of
 
 HIDDEN = ("sky_radiation", "wind_direction", "electrical_output")

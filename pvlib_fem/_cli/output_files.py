@@ -8,7 +8,7 @@ import pandas as pd
 
 from pvlib_fem._cli.printing import say
 from pvlib_fem._fitting.fem_fit import FemFit
-from pvlib_fem._loop.loop_result import Loop
+from pvlib_fem._loop.results.loop_result import Loop
 from pvlib_fem._stored import replacing
 from pvlib_fem.plotting._style import check_format
 

@@ -25,7 +25,7 @@ from pvlib_fem._cli.option_texts import (
 from pvlib_fem._cli.printing import Otherwise, Refused, note, safe, say, waiting
 from pvlib_fem._cli.proposal import ANEW, check_columns, command, proposal, shell_words
 from pvlib_fem._fitting.stand_ins import stand_in_names
-from pvlib_fem._loop.replacements import Replacements
+from pvlib_fem._loop.preparation.replacements import Replacements
 from pvlib_fem._record.checks import datetime_steps
 from pvlib_fem._record.column_names import ALWAYS, COLUMNS, numeric
 from pvlib_fem._record.footers import parquet_file

@@ -10,8 +10,8 @@ from pvlib_fem._cli.printing import waiting
 from pvlib_fem._fit import fit_fem, fit_frame
 from pvlib_fem._fitting.fem_fit import FemFit
 from pvlib_fem._loop.close import close_loop
-from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.progress import progress_line
+from pvlib_fem._loop.results.loop_result import Loop
 from pvlib_fem._record.parquet import ParquetRecord
 from pvlib_fem._recovery.recover import recover_effects
 from pvlib_fem._recovery.recovery_result import Recovery

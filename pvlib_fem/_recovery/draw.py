@@ -11,8 +11,8 @@ import numpy as np
 
 from pvlib_fem._converter import AnyFloat
 from pvlib_fem._findings import Finding
-from pvlib_fem._loop.divided_record import Case
-from pvlib_fem._loop.loop_result import Loop
+from pvlib_fem._loop.preparation.divided_record import Case
+from pvlib_fem._loop.results.loop_result import Loop
 from pvlib_fem._stored import as_json
 from pvlib_fem.effects import EFFECTS, find, several
 from pvlib_fem.effects._effect import Effect

@@ -9,11 +9,12 @@ import pandas as pd
 from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
-from pvlib_fem._loop.close import Search, close_loop, finished_search
+from pvlib_fem._loop.close import close_loop, finished_search
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.loop_result import Loop
-from pvlib_fem._loop.planes import with_given
-from pvlib_fem._loop.power_events import EVENTS
+from pvlib_fem._loop.preparation.planes import with_given
+from pvlib_fem._loop.references.power_events import EVENTS
+from pvlib_fem._loop.results.loop_result import Loop
+from pvlib_fem._loop.search import Search
 from pvlib_fem._record.column_names import PLANT_POWER, plant_power
 from pvlib_fem._recovery.inject import add_to_rows
 from pvlib_fem._spelling import no_columns

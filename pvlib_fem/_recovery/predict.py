@@ -7,22 +7,23 @@ from functools import partial
 import numpy as np
 
 from pvlib_fem._findings import OUTSIDE
-from pvlib_fem._loop.choice import Choice
-from pvlib_fem._loop.close import Round
 from pvlib_fem._loop.criteria import HALF
-from pvlib_fem._loop.cross_checks import log_likelihoods, log_likelihoods_of_sizes
-from pvlib_fem._loop.design import Changed, Column, Design
-from pvlib_fem._loop.dictionary import Candidate
-from pvlib_fem._loop.divided_record import Case
-from pvlib_fem._loop.noise import with_outside
-from pvlib_fem._loop.references import DailyDeviation, daily_deviations
-from pvlib_fem._loop.refits import Step
-from pvlib_fem._loop.selection import (
-    OVERLAP,
-    Selection,
-    selected,
-    shown_changes,
+from pvlib_fem._loop.preparation.divided_record import Case
+from pvlib_fem._loop.references.cross_checks import (
+    log_likelihoods,
+    log_likelihoods_of_sizes,
 )
+from pvlib_fem._loop.references.deviations import DailyDeviation, daily_deviations
+from pvlib_fem._loop.references.shown_changes import shown_changes
+from pvlib_fem._loop.regression.design import Changed, Column, Design
+from pvlib_fem._loop.regression.refits import Step
+from pvlib_fem._loop.search import Round
+from pvlib_fem._loop.selection.choice import Choice
+from pvlib_fem._loop.selection.dictionary import Candidate
+from pvlib_fem._loop.selection.noise import with_outside
+from pvlib_fem._loop.selection.refinement import refined
+from pvlib_fem._loop.selection.rivals import OVERLAP, weighed
+from pvlib_fem._loop.selection.single_effects import Selection, selected
 from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._recovery.draw import Draw, dated_draws, same_days, with_ways
 from pvlib_fem._recovery.inject import readable, whole_of
@@ -164,10 +165,10 @@ class Look:
             shown,
             partial(log_likelihoods_of_sizes, references, self.coefficients),
         )
-        choices = selection.refined(choices)
+        choices = refined(selection, choices)
         for i, one in enumerate(choices):
             others = [*choices[:i], *choices[i + 1 :]]
-            choice = selection.weighed(one, others)
+            choice = weighed(selection, one, others)
             mine = choice.members.get(self.one.name)
             if mine is None or not on_same_days(
                 mine.effect, self.one.effect, design.dates

@@ -11,12 +11,13 @@ from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem._former_names import keys_in_new_names
-from pvlib_fem._loop.close import Search, finished_search
+from pvlib_fem._loop.close import finished_search
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.loop_result import Loop
-from pvlib_fem._loop.planes import with_given
+from pvlib_fem._loop.preparation.planes import with_given
+from pvlib_fem._loop.preparation.replacements import Replacements
 from pvlib_fem._loop.progress import item_counter
-from pvlib_fem._loop.replacements import Replacements
+from pvlib_fem._loop.results.loop_result import Loop
+from pvlib_fem._loop.search import Search
 from pvlib_fem._parallel import spread
 from pvlib_fem._record.column_names import ALWAYS
 from pvlib_fem._recovery.checkpoint import digest, in_plan, resumed, said_all

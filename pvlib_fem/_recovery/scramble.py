@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._loop.close import Search
-from pvlib_fem._loop.loop_result import Loop
+from pvlib_fem._loop.results.loop_result import Loop
+from pvlib_fem._loop.search import Search
 from pvlib_fem._record.checks import usual_step
 from pvlib_fem._record.column_names import ANGLES, GEOMETRY
 from pvlib_fem.drivers import geometry, needed_for

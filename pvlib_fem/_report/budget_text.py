@@ -10,7 +10,7 @@ from pvlib_fem._budget.unusual_days import FEWEST
 from pvlib_fem._report.formatting import two_decimals
 
 if TYPE_CHECKING:
-    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.results.loop_result import Loop
 
 MOST = 3  # episodes that are reported one by one
 SMALL = 0.005  # K or K²: nothing in two decimals

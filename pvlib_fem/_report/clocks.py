@@ -13,8 +13,8 @@ from pvlib_fem.quality._noon import solar_noon_shift
 from pvlib_fem.quality._onset import DAY, solar_midnight
 
 if TYPE_CHECKING:
-    from pvlib_fem._loop.corrected_times import Times
-    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.results.corrected_times import Times
+    from pvlib_fem._loop.results.loop_result import Loop
 
 BRIGHT_DAY = 0.3  # of the light of a bright day; darker days have no clear middle
 WHOLE = 0.8  # of the usual rows of a day

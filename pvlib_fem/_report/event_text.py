@@ -9,7 +9,7 @@ import pandas as pd
 from pvlib_fem._report.formatting import two_digits
 
 if TYPE_CHECKING:
-    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.results.loop_result import Loop
 
 
 class EventKind(NamedTuple):

@@ -27,7 +27,7 @@ from pvlib_fem.power import GAMMA, expected_power
 from pvlib_fem.quality._clearsky import clear_sky
 
 if TYPE_CHECKING:
-    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.results.loop_result import Loop
 
 BRIGHT = 200.0  # W/m², above which light is compared
 YEAR = 366  # days from which months are compared with themselves

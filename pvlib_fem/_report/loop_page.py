@@ -49,7 +49,7 @@ from pvlib_fem.reasons import Because, Reason
 from pvlib_fem.scores import GAMMA
 
 if TYPE_CHECKING:
-    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.results.loop_result import Loop
 
 MOST_EVENTS = 10  # of a kind that a page has
 NOT_SHOWN = "smaller than this record can show"

@@ -16,7 +16,7 @@ from pvlib_fem.plotting._step_plots import step_name
 
 if TYPE_CHECKING:
     from pvlib_fem._fitting.fem_fit import FemFit
-    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.results.loop_result import Loop
 
 OF_WIND = (
     "height of the anemometer, mean shelter: both change the wind coefficient alone"

@@ -12,7 +12,7 @@ from pvlib_fem.effects import EFFECTS
 from pvlib_fem.reasons import Reason
 
 if TYPE_CHECKING:
-    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.results.loop_result import Loop
 
 #: what to give where the position of the sun is unknown
 PLACE = "location, surface_tilt and surface_azimuth (to give, not to measure)"

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from pvlib_fem._ceiling.ceiling_result import Ceiling
     from pvlib_fem._fitting.fem_fit import FemFit
-    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.results.loop_result import Loop
 
 LONG = 120  # days of a record from which its months are drawn
 #: of the map by month and hour: its means, its picture, what it shows

@@ -19,7 +19,7 @@ from pvlib_fem.plotting._evidence import SEASONS, Daily, Marks, plot_by_date
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.results.loop_result import Loop
 
 ENOUGH = 0.3  # of the median number of rows of a day, which a day needs
 DATES = ("at", "since", "start", "end")

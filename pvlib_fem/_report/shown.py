@@ -12,7 +12,7 @@ from pvlib_fem._report.page_pictures import draw
 from pvlib_fem._report.rows import Rows
 
 if TYPE_CHECKING:
-    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.results.loop_result import Loop
 
 NONE = (
     "No column of this record shows it without the model. The maps below show the "

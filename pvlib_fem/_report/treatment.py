@@ -10,7 +10,7 @@ from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.file_summary import Summary
 
 if TYPE_CHECKING:
-    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.results.loop_result import Loop
 
 #: step, column, number of rows, and what was done
 Treatment = tuple[str, str, int | None, str]

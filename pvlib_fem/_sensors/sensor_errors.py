@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.design import Design
-from pvlib_fem._loop.selection import Selection
+from pvlib_fem._loop.regression.design import Design
+from pvlib_fem._loop.selection.single_effects import Selection
 from pvlib_fem._record.column_names import is_scaled_copy, twin_of
 from pvlib_fem._record.inputs import Record, as_record
 from pvlib_fem.effects import CHANGES

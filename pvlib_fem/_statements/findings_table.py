@@ -9,7 +9,7 @@ from pvlib_fem._findings import Kind
 from pvlib_fem._statements.make import finding_statement, pattern_statement
 
 if TYPE_CHECKING:
-    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.results.loop_result import Loop
 
 #: column of the table, and the field of the statement that it has
 FIELDS = {

@@ -17,7 +17,7 @@ from pvlib_fem.plotting._step_plots import step_name
 from pvlib_fem.quality._detached_sensor import DETACHED
 
 if TYPE_CHECKING:
-    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.results.loop_result import Loop
 
 LINES, WIDTH = 25, 100
 MOST_EFFECTS = 3

@@ -31,7 +31,7 @@ from pvlib_fem.quality._detached_sensor import DETACHED, Detachment
 from pvlib_fem.quality._tracker_standstill import Standing
 
 if TYPE_CHECKING:
-    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.results.loop_result import Loop
 
 PATTERN = "unexplained pattern"
 MEASURE_STORE = (

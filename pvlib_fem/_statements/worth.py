@@ -19,7 +19,7 @@ from pvlib_fem.quality._lag import retimed
 from pvlib_fem.scores import GAMMA, kilowatt_hours
 
 if TYPE_CHECKING:
-    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.results.loop_result import Loop
 
 STEP = 300.0  # s, over which shorter rows are averaged
 REFERENCE = 25.0  # °C, of the power that a kWp is

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._loop.references import DailyDeviation
+from pvlib_fem._loop.references.deviations import DailyDeviation
 from pvlib_fem._statistics.changing_level import YEAR, Law, Path, most_probable
 
 SURE = 3.0  # errors from which a drift or a step is there

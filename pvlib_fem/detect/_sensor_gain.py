@@ -7,9 +7,12 @@ import pandas as pd
 from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
-from pvlib_fem._loop import references
-from pvlib_fem._loop.comparisons import COMPARISONS, SKY, USUAL_WIND
-from pvlib_fem._loop.references import DailyDeviation
+from pvlib_fem._loop.references.comparisons import COMPARISONS, SKY, USUAL_WIND
+from pvlib_fem._loop.references.deviations import (
+    FADES,
+    DailyDeviation,
+    daily_deviation,
+)
 from pvlib_fem._record.checks import dates_of
 from pvlib_fem._statistics.changing_level import Law
 from pvlib_fem.detect._changes import SURE, LevelChanges, level_changes, level_result
@@ -55,7 +58,7 @@ def compared_with(
     """A sensor compared with the reference of a name; refuse missing columns."""
     comparison = next(one for one in COMPARISONS if one.serves(name))
     every = np.ones(len(index), dtype=bool)
-    deviation = references.daily_deviation(
+    deviation = daily_deviation(
         comparison, Columns(index, columns), every, name, values
     )
     if deviation is None:
@@ -154,7 +157,7 @@ def aged(changes: LevelChanges) -> LevelChanges:
     """The comparison without the plant's own losses."""
     if changes.reference != POWER:
         return changes
-    fades = references.FADES
+    fades = FADES
     error = float(np.hypot(changes.drift_error, fades))
     return replace(changes, drift=changes.drift - fades, drift_error=error)
 

@@ -14,7 +14,7 @@ from pvlib_fem._findings import Correction, Finding
 from pvlib_fem._fit import fit_fem, fit_frame
 from pvlib_fem._fitting.fem_fit import FemFit
 from pvlib_fem._loop.close import close_loop
-from pvlib_fem._loop.loop_result import Loop
+from pvlib_fem._loop.results.loop_result import Loop
 from pvlib_fem._modelchain import FIT, LOOP
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.file_summary import present

@@ -8,7 +8,7 @@ from pvlib_fem.plotting._style import AFTER, BEFORE, OTHER, Look, new_axes, text
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.results.loop_result import Loop
 
 #: names of rows in a picture
 REMAINING = {"left": "remaining error"}

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from pvlib_fem._fitting.fem_fit import FemFit
-    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.results.loop_result import Loop
 
 #: names of rows of a loop's table before any effect
 BASES = {"fem": "fem (the paper's form)"}

@@ -44,7 +44,22 @@ ORDER = (
     "_correction",
     "_ceiling",
     "_statements",
-    "_loop",
+    *(
+        f"_loop.{name}"
+        for name in (
+            "criteria",
+            "progress",
+            "threads",
+            "preparation",
+            "regression",
+            "selection",
+            "references",
+            "ranking",
+            "results",
+            "search",
+            "close",
+        )
+    ),
     "paper",
     "_fit",
     "_sensors",
@@ -100,7 +115,12 @@ def own_imports(name):
 
 
 def package_of(name):
-    """The package, or the module at the top, that a module is in."""
+    """The package, or the module at the top, that a module is in; rooms of the loop."""
+    return ".".join(name.split(".")[: 2 if name.startswith("_loop.") else 1])
+
+
+def top_of(name):
+    """The first part of a name."""
     return name.split(".")[0]
 
 
@@ -114,7 +134,7 @@ def depth(name):
 
 
 def test_the_order_is_of_all_that_there_is():
-    assert sorted(ORDER) == sorted({package_of(name) for name in FILES})
+    assert sorted(ORDER) == sorted({package_of(name) for name in FILES} - {"_loop"})
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -174,42 +194,43 @@ def test_outside_libraries_have_one_place_each():
     }
     for name in FILES:
         for outside, _ in imports(name):
-            assert places.get(outside.split(".")[0], package_of(name)) == package_of(
-                name
-            )
+            assert places.get(outside.split(".")[0], top_of(name)) == top_of(name)
 
 
 DESIGN = Path(__file__).parents[2] / "docs" / "design.md"
 
 
-def first_cells(head):
-    """Names in the first column of a table of the page of the design."""
-    page = DESIGN.read_text("utf-8")
-    table = page.split(f"| {head} | content |\n")[1].split("\n\n")[0].splitlines()[1:]
-    return [
-        name for row in table for name in re.findall(r"`(\S+?)`", row.split("|")[1])
-    ]
-
-
 def test_packages_stand_in_the_order_of_their_imports():
-    packages = [name.rstrip("/") for name in first_cells("package")]
-    assert packages == [name for name in ORDER if name != "__main__"]
+    table = DESIGN.read_text("utf-8").split("| package | content |\n")[1]
+    rows = table.split("\n\n")[0].splitlines()[1:]
+    cells = [re.findall(r"`(\S+?)`", row.split("|")[1]) for row in rows]
+    packages = [name.rstrip("/") for cell in cells for name in cell]
+    tops = dict.fromkeys(top_of(name) for name in ORDER if name != "__main__")
+    assert packages == [*tops]
 
 
-def test_files_of_the_loop_are_those_that_there_are():
-    there = {path.name for path in (PACKAGE / "_loop").glob("*.py")}
-    assert {*first_cells("file")} == there - {"__init__.py"}
+def test_parts_of_the_loop_stand_in_the_order_of_their_imports():
+    page = DESIGN.read_text("utf-8").split("### The loop")[1].split("## How")[0]
+    names = re.findall(r"`(\w+(?:\.py|/))`", page)
+    parts = [
+        f"{name.removeprefix('_loop.')}{'/' if (PACKAGE / path).is_dir() else '.py'}"
+        for name in ORDER
+        if name != (path := name.replace(".", "/"))
+    ]
+    assert [name for name in names if name in parts] == parts
+    files = {path.name for path in (PACKAGE / "_loop").rglob("*.py")}
+    assert {name for name in names if name.endswith(".py")} == files - {"__init__.py"}
 
 
 def test_results_load_pages_and_pictures_when_they_are_asked_for():
-    names = ["_fitting.fem_fit", "_loop.close", "_loop.loop_result"]
+    names = ["_fitting.fem_fit", "_loop.close", "_loop.results.loop_result"]
     names += ["_ceiling.ceiling_result", "_recovery.recovery_result"]
     words = "; ".join(f"import pvlib_fem.{name}" for name in names)
     words += "; import sys; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     loaded = done.stdout.split()
-    assert "pvlib_fem._loop.loop_result" in loaded
+    assert "pvlib_fem._loop.results.loop_result" in loaded
     pages = ("pvlib_fem.plotting", "pvlib_fem._report.document", "jinja2", "matplotlib")
     assert not [name for name in loaded if name.startswith(pages)]
     assert not [name for name in loaded if name.endswith("_page")]

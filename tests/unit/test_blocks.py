@@ -15,7 +15,7 @@ import pvlib_fem as fem
 from pvlib_fem._fitting import row_source as rows_of
 from pvlib_fem._fitting.row_source import Rows, daily_sums, normal_sums
 from pvlib_fem._fitting.search import with_tables
-from pvlib_fem._loop.tangents import Tangents, gapless_column
+from pvlib_fem._loop.regression.tangents import Tangents, gapless_column
 from pvlib_fem._record.inputs import as_record
 from pvlib_fem._statistics.clusters import cluster_sums
 from pvlib_fem._thermal import compiled, model as thermal

@@ -12,7 +12,7 @@ import pvlib_fem as fem
 from pvlib_fem import datasets
 from pvlib_fem._correction.faults import causes_by_finding
 from pvlib_fem._findings import Finding, Verdict
-from pvlib_fem._loop.conclude import NINETY, range_around, relative_error
+from pvlib_fem._loop.results.conclude import NINETY, range_around, relative_error
 from pvlib_fem._record.inputs import read
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import STEADY_MODELS

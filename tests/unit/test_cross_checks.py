@@ -13,18 +13,22 @@ from test_instruments import DATES, closed, dated, half_a_year, with_change  # n
 
 from pvlib_fem import close_loop, simulator
 from pvlib_fem._findings import CheckOutcome, Finding, Verdict
-from pvlib_fem._loop.choice import Choice, Sized
-from pvlib_fem._loop.comparisons import COMPARISONS, SKY, USUAL_WIND
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.cross_checks import (
+from pvlib_fem._loop.references.comparisons import COMPARISONS, SKY, USUAL_WIND
+from pvlib_fem._loop.references.cross_checks import (
     log_likelihoods,
     log_likelihoods_of_sizes,
     outcome_of,
 )
-from pvlib_fem._loop.dictionary import Candidate
-from pvlib_fem._loop.reference_faults import given_others
-from pvlib_fem._loop.references import DailyDeviation, daily_deviations, usual_days
-from pvlib_fem._loop.selection import shown_by, shown_changes
+from pvlib_fem._loop.references.deviations import (
+    DailyDeviation,
+    daily_deviations,
+    usual_days,
+)
+from pvlib_fem._loop.references.reference_faults import given_others
+from pvlib_fem._loop.references.shown_changes import shown_by, shown_changes
+from pvlib_fem._loop.selection.choice import Choice, Sized
+from pvlib_fem._loop.selection.dictionary import Candidate
 from pvlib_fem._record.column_names import COLUMNS, is_cross_check, is_power, twin_of
 from pvlib_fem._stored import Stored, as_json
 from pvlib_fem.effects import CHANGES, EFFECTS

@@ -12,7 +12,7 @@ from conftest import COLUMNS, DRIVERS
 from hypothesis import given, strategies as st
 
 import pvlib_fem as fem
-from pvlib_fem._loop.tangents import Evidence, located_effect
+from pvlib_fem._loop.regression.tangents import Evidence, located_effect
 from pvlib_fem._record.inputs import read
 from pvlib_fem._stored import VERSION
 from pvlib_fem._thermal.model import ThermalModel

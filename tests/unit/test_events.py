@@ -13,7 +13,7 @@ import pvlib_fem as fem
 from pvlib_fem._budget.covers_and_outages import Hours, event_spans, rows_of_events
 from pvlib_fem._budget.stretch_noise import DayNoise, Noise
 from pvlib_fem._findings import Verdict
-from pvlib_fem._loop.power_events import EVENTS, true_over_read
+from pvlib_fem._loop.references.power_events import EVENTS, true_over_read
 from pvlib_fem._record.inputs import as_record
 from pvlib_fem._report.event_text import all_of
 from pvlib_fem.drivers import derive_drivers

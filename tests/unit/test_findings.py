@@ -21,8 +21,8 @@ from pvlib_fem._findings import (
     Verdict,
     in_percent,
 )
-from pvlib_fem._loop.choice import Choice
-from pvlib_fem._loop.conclude import member_of, why_not_chosen
+from pvlib_fem._loop.results.conclude import member_of, why_not_chosen
+from pvlib_fem._loop.selection.choice import Choice
 from pvlib_fem._stored import as_json
 from pvlib_fem.effects import find
 from pvlib_fem.reasons import Reason, because, joined_reasons

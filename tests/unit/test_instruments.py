@@ -16,7 +16,7 @@ import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
 from pvlib_fem._findings import Verdict
 from pvlib_fem._loop.close import finished_search
-from pvlib_fem._loop.edge_weeks import of_its_dates
+from pvlib_fem._loop.references.edge_weeks import of_its_dates
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
 from pvlib_fem.effects import CHANGES, EFFECTS, SENSOR_FAULTS, find

@@ -9,7 +9,7 @@ from conftest import COLUMNS
 import pvlib_fem as fem
 from pvlib_fem import simulator
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.leaks import leaks
+from pvlib_fem._loop.preparation.leaks import leaks
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, PHYSICS, RHINE
 
 STEP = 1800.0

@@ -17,9 +17,9 @@ from conftest import COLUMNS, measured
 
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
-from pvlib_fem._loop.correct_clock import module_clock
-from pvlib_fem._loop.prepare import prepared_case
-from pvlib_fem._loop.refits import Fits
+from pvlib_fem._loop.preparation.prepare import prepared_case
+from pvlib_fem._loop.regression.correct_clock import module_clock
+from pvlib_fem._loop.regression.refits import Fits
 from pvlib_fem._record.resampling import coarse
 from pvlib_fem._stored import as_json
 from pvlib_fem._thermal.steady_models import steady_model

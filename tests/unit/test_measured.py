@@ -13,7 +13,7 @@ from study_measured import summary_of
 
 import pvlib_fem as fem
 from pvlib_fem._findings import CheckOutcome, Verdict
-from pvlib_fem._loop.power_events import BY_POWER
+from pvlib_fem._loop.references.power_events import BY_POWER
 
 ROOT = Path(__file__).parents[2]
 

@@ -6,7 +6,7 @@ from conftest import COLUMNS
 
 import pvlib_fem as fem
 from pvlib_fem import simulator
-from pvlib_fem._loop.outputs import outputs
+from pvlib_fem._loop.preparation.outputs import outputs
 from pvlib_fem._record.inputs import as_record
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, PHYSICS, RHINE
 

@@ -11,7 +11,7 @@ from pvlib.pvsystem import SingleAxisTrackerMount
 
 import pvlib_fem as fem
 from pvlib_fem._cli import main
-from pvlib_fem._loop.parquet_loop import OwnSteps
+from pvlib_fem._loop.results.parquet_loop import OwnSteps
 from pvlib_fem.simulator import PHYSICS, record
 
 pytest.importorskip("pyarrow")

@@ -10,7 +10,7 @@ from pvlib.location import Location
 
 import pvlib_fem as fem
 from pvlib_fem import simulator
-from pvlib_fem._loop.predicted_patterns import Pattern
+from pvlib_fem._loop.results.predicted_patterns import Pattern
 from pvlib_fem._record.inputs import read
 from pvlib_fem._statements.worth import energies as energies_of
 from pvlib_fem._statistics.axes import Axis, axes, sorted_by

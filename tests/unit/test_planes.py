@@ -10,7 +10,7 @@ from pvlib.location import Location
 
 import pvlib_fem as fem
 from pvlib_fem import _cli as cli, simulator
-from pvlib_fem._loop.planes import plane_of_columns
+from pvlib_fem._loop.preparation.planes import plane_of_columns
 from pvlib_fem.reasons import Reason
 
 SITE = simulator.RHINE

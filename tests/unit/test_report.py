@@ -17,9 +17,9 @@ import pvlib_fem
 from pvlib_fem import datasets, simulator
 from pvlib_fem._fit import fit_fem
 from pvlib_fem._loop.close import close_loop
-from pvlib_fem._loop.file_clock import zone_of_the_sun
-from pvlib_fem._loop.loop_result import Loop
-from pvlib_fem._loop.ranking_table import Ranking
+from pvlib_fem._loop.preparation.file_clock import zone_of_the_sun
+from pvlib_fem._loop.ranking.ranking_table import Ranking
+from pvlib_fem._loop.results.loop_result import Loop
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.file_summary import digest
 from pvlib_fem._report import next_measurement as advice, page_pictures

@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.leaks import leaks
+from pvlib_fem._loop.preparation.leaks import leaks
 from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem.drivers import DERIVED, MODELLED
 from pvlib_fem.effects._effect import Effect, Parameter, Terms

@@ -10,14 +10,14 @@ from scipy.stats import binomtest, f as fdistribution
 
 from pvlib_fem import Criteria, close_loop, simulator
 from pvlib_fem._findings import OUTSIDE
-from pvlib_fem._loop.change_dates import Scan
-from pvlib_fem._loop.choice import Choice, SizeByReference
-from pvlib_fem._loop.close import Search
-from pvlib_fem._loop.conclude import range_around, range_of
-from pvlib_fem._loop.design import Changed, Design
-from pvlib_fem._loop.dictionary import Candidate, all_candidates, log_odds
-from pvlib_fem._loop.hourly_tangents import filled, independent_columns
-from pvlib_fem._loop.noise import (
+from pvlib_fem._loop.regression.design import Changed, Design
+from pvlib_fem._loop.regression.hourly_tangents import filled, independent_columns
+from pvlib_fem._loop.results.conclude import range_around, range_of
+from pvlib_fem._loop.search import Search
+from pvlib_fem._loop.selection.change_dates import Scan
+from pvlib_fem._loop.selection.choice import Choice, ShownChange, SizeByReference
+from pvlib_fem._loop.selection.dictionary import Candidate, all_candidates, log_odds
+from pvlib_fem._loop.selection.noise import (
     WithinCells,
     is_frosty,
     law_misfits,
@@ -26,8 +26,13 @@ from pvlib_fem._loop.noise import (
     remaining_shares,
     with_outside,
 )
-from pvlib_fem._loop.posterior import posterior
-from pvlib_fem._loop.selection import MOST_SHOWN, OVERLAP, Selection, ShownChange
+from pvlib_fem._loop.selection.posterior import posterior
+from pvlib_fem._loop.selection.refinement import refined, remaining
+from pvlib_fem._loop.selection.rivals import OVERLAP, weighed
+from pvlib_fem._loop.selection.single_effects import (
+    MOST_SHOWN,
+    Selection,
+)
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,
@@ -311,7 +316,7 @@ def test_a_range_is_wider_where_two_estimates_differ():
     random, (days, hours) = np.random.default_rng(3), clock(365)
     rest = 2.0 * (days >= 180) + noise(random, len(days))
     selection = offsets(rest, days, hours)
-    best = selection.weighed(selection.best([]), [])
+    best = weighed(selection, selection.best([]), [])
     key, name = "module_offset_step.change", best.top.name
     assert name == "module_offset_step"
     score = best.scores[name]
@@ -328,7 +333,7 @@ def offset_by_reference(**shown):
     random, (days, hours) = np.random.default_rng(3), clock(365)
     rest = 2.0 * (days >= 180) + noise(random, len(days))
     selection = offsets(rest, days, hours)
-    best = selection.weighed(selection.best([]), [])
+    best = weighed(selection, selection.best([]), [])
     if shown:
         shown = {"other": 0.15, "shows_it": False} | shown
         by_it = SizeByReference(("temp_module_2",), **shown)
@@ -396,7 +401,7 @@ def test_a_range_holds_the_size_of_a_change_beside_a_season_that_is_not_found():
         selection, base = Selection(made, CRITERIA), [*made.base]
         found = selection.candidates(base)
         (top,) = (c for c in found if c.effect.sensor_fault)
-        one = selection.weighed(Choice(top, selection.score(top, base)), [])
+        one = weighed(selection, Choice(top, selection.score(top, base)), [])
         score = one.scores[top.name]
         value, error = score.coefficients[key], score.errors[key]
         for choice in (one, replace(one, confounded={})):
@@ -424,7 +429,7 @@ def test_a_trend_and_a_step_that_hide_each_other_are_found(per_year, change, at,
     random, (days, hours) = np.random.default_rng(9), clock(700)
     rest = per_year * days / 365.25 + change * (days >= at) + noise(random, len(days))
     selection = offsets(rest, days, hours)
-    found = {one.top.name: one for one in selection.refined(selection.run())}
+    found = {one.top.name: one for one in refined(selection, selection.run())}
     trend = found.pop("module_offset_drift")
     assert trend.score.estimate[0] == pytest.approx(per_year, abs=0.15)
     settings = trend.top.effect.settings
@@ -448,9 +453,9 @@ def test_two_steps_that_look_like_a_trend_are_found():
     selection = offsets(level + noise(random, len(days)), days, hours)
     before = selection.run()
     assert [one.top.name for one in before] == ["module_offset_drift"]
-    after = selection.refined(before)
+    after = refined(selection, before)
     assert len(after) == 2
-    assert selection.remaining(after) < selection.remaining(before) - selection.least
+    assert remaining(selection, after) < remaining(selection, before) - selection.least
     shown = [
         one.score.estimate[0] * weights_of(one.top.effect, START + np.arange(700))
         for one in after
@@ -497,7 +502,7 @@ def test_noise_that_remembers_weeks_is_no_pair_of_changes():
         rest = 0.5 * weekly[days // 7] + noise(random, len(days))
         selection = offsets(rest, days, hours)
         before = selection.run()
-        assert len(selection.refined(before)) <= len(before)
+        assert len(refined(selection, before)) <= len(before)
 
 
 def chosen(rest, own, days, hours, **places):
@@ -507,7 +512,7 @@ def chosen(rest, own, days, hours, **places):
     selection = Selection(made, CRITERIA)
     (one,) = (c for c in selection.candidates([*made.base]) if c.name == "rain")
     score = selection.score(one, [*made.base])
-    choice = selection.weighed(Choice(one, score), [])
+    choice = weighed(selection, Choice(one, score), [])
     return made, one, with_outside(made, choice, [*made.base], CRITERIA)
 
 
@@ -556,7 +561,7 @@ def test_a_law_has_no_residual_along_what_it_derives(dust):
     score = selection.score(one, base)
     assert score.probability > 0.95
     misfit = max(law_misfits(made, one, base, score.fall))
-    choice = selection.weighed(Choice(one, score), [])
+    choice = weighed(selection, Choice(one, score), [])
     outside = with_outside(made, choice, base, CRITERIA).probabilities[OUTSIDE]
     if dust:
         assert misfit < 0.2 and outside < 0.1
@@ -580,7 +585,7 @@ def test_a_sensor_that_has_changed_does_so_at_every_hour(hours_of_day):
     score = selection.score(one, [1])
     assert score.probability > 0.95
     (misfit,) = law_misfits(made, one, [1], score.fall)
-    choice = selection.weighed(Choice(one, score), [])
+    choice = weighed(selection, Choice(one, score), [])
     outside = with_outside(made, choice, [1], CRITERIA).probabilities[OUTSIDE]
     if hours_of_day == (0, 24):
         assert misfit < 0.3 and outside < 0.1
@@ -878,7 +883,7 @@ def test_a_rival_may_have_the_name_of_another_finding(fault):
     mine = found(f"{fault}_step", [1, other.change])
     beside = [Choice(other, selection.score(other, [1]))]
     given = selection.given(beside)
-    choice = selection.weighed(Choice(mine, selection.score(mine, given)), beside)
+    choice = weighed(selection, Choice(mine, selection.score(mine, given)), beside)
     choice = with_outside(made, choice, given, CRITERIA)
     assert choice.probabilities[f"{twin}_step"] > 0.3
     assert choice.first == f"{fault}_step"
@@ -895,7 +900,7 @@ def test_a_law_is_taken_by_whichever_of_its_faults_is_reported():
     selection = Selection(made, CRITERIA)
     first = next(c for c in selection.candidates([1]) if c.name in CHANGES)
     alone = Choice(first, selection.score(first, [1]))
-    others = selection.weighed(alone, []).members
+    others = weighed(selection, alone, []).members
     assert {*others} == {"module_offset_step", "air_offset_step"}
     for name, member in others.items():
         reported = Choice(member, selection.score(member, [1]))
@@ -1022,7 +1027,7 @@ def test_of_causes_with_the_same_column_the_first_is_taken(order):
         )
         selection = Selection(made, CRITERIA)
         best = selection.best([])
-        choice = selection.weighed(best, [])
+        choice = weighed(selection, best, [])
         choice = with_outside(made, choice, [*made.base], CRITERIA)
         one, other = (choice.probabilities[name] for name in names)
         assert best.top.name == choice.first == names[0]
@@ -1046,7 +1051,7 @@ def test_faults_of_one_law_are_searched_once_and_share_its_prior():
     selection = Selection(made, CRITERIA)
     searched = {one.effect.sensor_fault for one in selection.candidates([*made.base])}
     assert searched == {"irradiance_sensor", "module_sensor_contact"}
-    choice = selection.weighed(selection.best([]), [])
+    choice = weighed(selection, selection.best([]), [])
     sensor, light, contact = (choice.weights[f"{name}_step"] for name in names)
     assert sensor == pytest.approx(light) == pytest.approx(0.5 * contact)
     dates = {str(one.effect.settings) for one in choice.members.values()}
@@ -1115,7 +1120,7 @@ def test_a_change_of_frosty_days_is_never_identified(coldest, frosty):
     )
     assert is_frosty(made, effect) is frosty
     selection = Selection(made, CRITERIA)
-    best = selection.weighed(selection.best([]), [])
+    best = weighed(selection, selection.best([]), [])
     assert best.top.name == effect.name
     found = with_outside(made, best, [*made.base], CRITERIA).probabilities
     if frosty:
@@ -1226,5 +1231,5 @@ def test_a_fault_is_weighed_with_all_its_time_profiles():
     assert top.name == "rear_irradiance"
     alike = {one.name: selection.alike(top, one, base) for one in others[:2]}
     assert alike["module_offset_step"] < OVERLAP < alike["module_offset_drift"]
-    weights = selection.weighed(Choice(top, selection.score(top, base)), []).weights
+    weights = weighed(selection, Choice(top, selection.score(top, base)), []).weights
     assert weights["module_offset_step"] > 10.0 * weights["module_offset_drift"] > 0.0

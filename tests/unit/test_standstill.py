@@ -13,8 +13,8 @@ from pvlib.location import Location
 import pvlib_fem as fem
 from pvlib_fem import simulator
 from pvlib_fem._findings import CheckOutcome
-from pvlib_fem._loop import tangents
-from pvlib_fem._loop.close import Search
+from pvlib_fem._loop.regression import tangents
+from pvlib_fem._loop.search import Search
 from pvlib_fem._record.inputs import read
 from pvlib_fem.drivers import derive_drivers, geometry
 from pvlib_fem.drivers._solar import on_plane

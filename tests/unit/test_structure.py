@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
-from pvlib_fem._loop.hourly_means import Hours
-from pvlib_fem._loop.repeated_patterns import axes_and_pairs
+from pvlib_fem._loop.results.repeated_patterns import axes_and_pairs
 from pvlib_fem._statistics.axes import axes, sorted_by
 from pvlib_fem._statistics.clusters import calendar_weeks
+from pvlib_fem._statistics.hourly_means import Hours
 from pvlib_fem._statistics.tables import Cells, largest_table
 
 TIMES = pd.date_range("2023-01-02", periods=96 * 364, freq="15min", tz="Etc/GMT-1")

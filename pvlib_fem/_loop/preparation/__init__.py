@@ -1,0 +1,1 @@
+"""What is used, what is tried, and what is left out."""

@@ -1,0 +1,1 @@
+"""Effects that were not found, with their minimum detectable gain."""

@@ -1,0 +1,1 @@
+"""Power, second sensors, clear-sky irradiance and mean wind as cross-checks."""

@@ -1,0 +1,1 @@
+"""The refitted model, its tangents, and their products per week."""

@@ -1,0 +1,1 @@
+"""Findings, patterns, and the result."""

@@ -1,0 +1,1 @@
+"""Which single effects there are, and how probable each candidate is."""
