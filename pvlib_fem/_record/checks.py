@@ -395,9 +395,11 @@ def as_given(name: str, value: Any, index: pd.Index | tuple) -> np.ndarray:
     if not np.isfinite(values.sum()):
         infinite = np.isinf(values)
         if infinite.any():
-            raise ValueError(
-                f"{name} is infinite at {at_time(index, int(np.argmax(infinite)))}; "
-                "replace it with NaN"
+            raise refusal(
+                f"{name} is infinite at {at_time(index, int(np.argmax(infinite)))}; ",
+                ShellText(
+                    "replace it with NaN", "give --missing INF or --missing -INF"
+                ),
             )
     return values
 

@@ -103,7 +103,7 @@ def guess(
     guessed = Guess([], dict(columns))
     data, units = {}, {}
     for file, layout in zip(files, layouts):
-        layout, below = found_layout(file, layout)
+        layout, below = found_layout(file, layout, usual_name)
         raw = file_table(file, layout)
         layout, raw = with_tags(file, layout, raw, guessed.doubts)
         layout = with_times(raw, layout, guessed.doubts, file.name)
@@ -190,7 +190,7 @@ def with_cells(
         doubts.append(f"numbers with {signs} behind them are left out by --missing")
         layout = replace(layout, missing=(*layout.missing, *marks))
         raw = rows_of(file, layout)
-    missing = texts_of_missing(raw, layout)
+    missing = (*texts_of_missing(raw, layout), *texts_of_infinity(raw))
     doubts += [
         f"{text!r} is less than the sensor reads; where it stands such rows are left "
         "out, and half of it in its place keeps them"
@@ -278,6 +278,12 @@ def texts_of_missing(raw: pd.DataFrame, layout: Layout) -> tuple[str, ...]:
             bad = column[numbers.isna() & column.notna()].astype(str).unique()
             texts |= dict.fromkeys(bad) if len(bad) <= 3 else {}
     return tuple(texts)
+
+
+def texts_of_infinity(raw: pd.DataFrame) -> tuple[str, ...]:
+    """Texts for infinite numbers, as a logger writes what it cannot compute."""
+    values = raw.select_dtypes("number").to_numpy(float)
+    return tuple(text for text in ("INF", "-INF") if (values == float(text)).any())
 
 
 def by_evidence(guessed: Guess, files: Any, how: Mapping, check: Callable) -> None:

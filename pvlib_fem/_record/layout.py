@@ -4,7 +4,7 @@ import codecs
 import csv
 import itertools
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,9 @@ SKIP_LINES = "skip_lines"  # option for the numbers of lines, else a form of ski
 COMMENT = "# "  # before the lines above a table of these
 FOLLOWING = 5  # rows after the first that have to look like it
 TIME = re.compile(r"\d{1,4}[-/.:]\d{1,2}([-/.:]\d{1,4})?[\d\sT:.,Z+-]*([aApP][mM])?")
+#: what Windows writes in western and central Europe, Turkey, Japan and China
+WINDOWS = ("cp1252", "cp1250", "cp1254", "cp932", "gbk")
+CELL_ENDS = re.compile(r"[;,|\t\n\"]")
 BOMS = {
     codecs.BOM_UTF8: "utf-8",
     codecs.BOM_UTF16_LE: "utf-16",
@@ -95,7 +98,9 @@ def layout_of(given: Mapping[str, Any]) -> Layout:
     return Layout(**given)
 
 
-def found_layout(file: Path, layout: Any = None) -> tuple[Layout, dict]:
+def found_layout(
+    file: Path, layout: Any = None, known: Callable[[str], str | None] = lambda _: None
+) -> tuple[Layout, dict]:
     """
     How a file seems to be written.
 
@@ -104,6 +109,8 @@ def found_layout(file: Path, layout: Any = None) -> tuple[Layout, dict]:
     file : Path
     layout : Layout, optional
         What is known, in the fields that are not looked for.
+    known : callable, optional
+        The package's name of a cell, or None, by which encodings are compared.
 
     Returns
     -------
@@ -123,7 +130,7 @@ def found_layout(file: Path, layout: Any = None) -> tuple[Layout, dict]:
         header, units = header_lines(rows, ".")
         first = name == next(iter(sheets))
         return replace(layout, sheet=0 if first else name, **header), units
-    encoding = encoding_of(file, layout.encoding)
+    encoding = encoding_of(file, layout.encoding, known)
     with open(file, encoding=encoding, newline="", errors="replace") as opened:
         lines = opened.read(SOME).removeprefix("\ufeff").splitlines()[:LINES]
     ways = [
@@ -142,8 +149,12 @@ def found_layout(file: Path, layout: Any = None) -> tuple[Layout, dict]:
     return replace(layout, **how, **header), units
 
 
-def encoding_of(file: Path, given: str) -> str:
-    """What the bytes can be: UTF-8 or UTF-16, else as given or as Windows writes."""
+def encoding_of(file: Path, given: str, known: Callable[[str], str | None]) -> str:
+    """
+    What the bytes can be: UTF-8 or UTF-16, else as given or as Windows writes.
+
+    Of what Windows writes in different countries, that in which most names are known.
+    """
     with open(file, "rb") as opened:
         start = opened.read(SOME)
     for mark, name in BOMS.items():
@@ -156,7 +167,13 @@ def encoding_of(file: Path, given: str) -> str:
         except (UnicodeDecodeError, LookupError):
             continue
         return name
-    return "cp1252"
+
+    def names(encoding: str) -> int:
+        cells = {*CELL_ENDS.split(start.decode(encoding, errors="replace"))}
+        words = (cell for cell in cells if any(map(str.isalpha, cell)))
+        return sum(known(word) is not None for word in words)
+
+    return max(WINDOWS, key=names)
 
 
 def text_rows(sheet: pd.DataFrame) -> list[list[str]]:

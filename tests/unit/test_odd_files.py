@@ -103,7 +103,38 @@ def in_french(data, path):
     data.to_csv(path, sep=";", decimal=",", index=False, encoding="cp1252")
 
 
+def in_japanese(data, path):
+    """Names in the encoding of Windows in Japan."""
+    data = called(
+        data,
+        "傾斜面日射量",
+        "外気温",
+        "風速",
+        *(f"モジュール温度{n}" for n in (1, 2, 3)),
+    )
+    data.to_csv(path, index_label="日時", encoding="cp932")
+
+
+def in_turkish(data, path):
+    """Names in the encoding of Windows in Turkey."""
+    names = "Işınım (W/m²)", "Hava sıcaklığı (°C)", "Rüzgar hızı (m/s)"
+    data = called(data, *names, *(f"Modül sıcaklığı {n} (°C)" for n in (1, 2, 3)))
+    how = dict(index_label="Tarih", sep=";", decimal=",", encoding="cp1254")
+    data.set_axis(data.index.strftime("%d.%m.%Y %H:%M")).to_csv(path, **how)
+
+
+def with_infinities(data, path):
+    """What a logger writes where it divides by nothing."""
+    data = called(data, "G", "Ta", "ws", "Tm1", "Tm2", "Tm3").astype(str)
+    data.iloc[::50, 1] = "INF"
+    data.iloc[7::60, 3] = "-INF"
+    data.to_csv(path, index_label="TIMESTAMP")
+
+
 FILES = {
+    in_japanese: {"--encoding": "cp932"},
+    in_turkish: {"--encoding": "cp1254", "--decimal": ","},
+    with_infinities: {"--missing": "-INF"},
     in_french: {"--time": "Date,Heure", "--time-format": "%d/%m/%Y %Hh%M"},
     portal: {"--encoding": "utf-16", "--decimal": ",", "--skip-rows": "1"},
     historian: {"--tag": "Tag", "--value": "Value"},
@@ -580,6 +611,10 @@ def test_a_given_encoding_is_used_where_the_bytes_can_be_that(plant, tmp_path):
     assert found.encoding == "cp932" and found.sep == ","
     given = call("loop", path, "--guess", "--encoding", "cp932")
     assert "--encoding cp932" in given.output
+    assert "--encoding cp932" in call("loop", path, "--guess").output
+    table.rename(columns={"気温(℃)": "℃"}).to_csv(
+        path, index_label="日時", encoding="cp932"
+    )
     other = call("loop", path, "--guess")
     assert "plant.csv is not in cp1252" in other.output
     table.to_csv(path, index_label="日時")
