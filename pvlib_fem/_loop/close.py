@@ -12,6 +12,7 @@ from pvlib.pvsystem import AbstractMount
 from pvlib_fem._fitting.parquet_fit import given_days, in_files
 from pvlib_fem._fitting.stand_ins import stand_in_names
 from pvlib_fem._former_names import arguments_in_new_names, keys_in_new_names
+from pvlib_fem._loop.assemble import loop_of_search
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.preparation.planes import with_given
 from pvlib_fem._loop.preparation.prepare import prepared_case
@@ -19,7 +20,6 @@ from pvlib_fem._loop.preparation.replacements import NOTHING, Replacements
 from pvlib_fem._loop.progress import stage_reporter
 from pvlib_fem._loop.references.edge_weeks import edge_weeks
 from pvlib_fem._loop.regression.refits import Fits
-from pvlib_fem._loop.results.assemble import loop_of_search
 from pvlib_fem._loop.results.corrected_times import Times
 from pvlib_fem._loop.results.loop_files import Reading
 from pvlib_fem._loop.results.loop_result import Loop

@@ -29,7 +29,7 @@ from pvlib_fem._loop.results.parquet_loop import OwnSteps
 from pvlib_fem._loop.selection.choice import Choice, ShownChange
 from pvlib_fem._loop.selection.noise import with_outside
 from pvlib_fem._loop.selection.refinement import refined
-from pvlib_fem._loop.selection.rivals import weighed
+from pvlib_fem._loop.selection.rivals import alone, weighed
 from pvlib_fem._loop.selection.single_effects import MOST, Selection, selected
 from pvlib_fem._thermal.steady_models import SteadyModel
 from pvlib_fem.effects._effect import Effect
@@ -312,7 +312,9 @@ class Search:
         """Second sensors and plants that have changed, and not what they check."""
         if self.last is None:
             return []
-        return [*reference_faults(self.last, self.shown, findings)]
+        selection, coefficients = self.last.selection, self.last.coefficients
+        by_module = partial(alone, selection, given=selection.given(self.last.choices))
+        return [*reference_faults(by_module, coefficients, self.shown, findings)]
 
     def weighed(
         self, this: Round, choice: Choice, others: Sequence[Choice]

@@ -57,6 +57,7 @@ ORDER = (
             "ranking",
             "results",
             "search",
+            "assemble",
             "close",
         )
     ),

@@ -1,29 +1,27 @@
 """References that have changed, where the module's temperature shows no change."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import groupby
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pvlib_fem._findings import CheckOutcome, CrossCheck, Finding
 from pvlib_fem._loop.references.cross_checks import outcome_of
 from pvlib_fem._loop.references.deviations import DailyDeviation, kind
-from pvlib_fem._loop.selection.rivals import alone
+from pvlib_fem._loop.selection.choice import Choice, ShownChange
 from pvlib_fem._record.column_names import twin_of
 from pvlib_fem.effects import EFFECTS
+from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import dates_in_words, is_drift, weights_of
 
-if TYPE_CHECKING:
-    from pvlib_fem._loop.search import Round
-    from pvlib_fem._loop.selection.choice import ShownChange
-
+SizeOf = Callable[[Effect], Choice | None]
 LIGHT = "module_irradiance_step"  # what power shows, in words
 
 
 def reference_faults(
-    this: "Round",
-    shown: Iterable[tuple[DailyDeviation, Mapping[str, "ShownChange"]]],
+    by_module: SizeOf,
+    coefficients: Mapping[str, float],
+    shown: Iterable[tuple[DailyDeviation, Mapping[str, ShownChange]]],
     findings: Iterable[Finding],
 ) -> Iterator[str]:
     """
@@ -35,8 +33,10 @@ def reference_faults(
 
     Parameters
     ----------
-    this : Round
-        The last one.
+    by_module : callable
+        A change with its size by the module temperature, or None.
+    coefficients : dict
+        Of the fitted model.
     shown : iterable of (DailyDeviation, dict of ShownChange)
         Changes that each reference shows, by name.
     findings : iterable of Finding
@@ -64,7 +64,10 @@ def reference_faults(
             # power and sensors fade by themselves, and get dirty
             if not is_drift(change.effect)
             for words in unexplained(
-                this, given_others(reference, changes, name), change
+                by_module,
+                coefficients,
+                given_others(reference, changes, name),
+                change,
             )
         ]
         if found:
@@ -72,7 +75,7 @@ def reference_faults(
 
 
 def given_others(
-    reference: DailyDeviation, changes: Mapping[str, "ShownChange"], name: str
+    reference: DailyDeviation, changes: Mapping[str, ShownChange], name: str
 ) -> DailyDeviation:
     """A reference given the changes that it shows, but one."""
     others = (one.effect for other, one in changes.items() if other != name)
@@ -80,7 +83,10 @@ def given_others(
 
 
 def unexplained(
-    this: "Round", reference: DailyDeviation, change: "ShownChange"
+    by_module: SizeOf,
+    coefficients: Mapping[str, float],
+    reference: DailyDeviation,
+    change: ShownChange,
 ) -> Iterator[tuple[bool, float, str]]:
     """
     The change of a reference that is no finding.
@@ -89,21 +95,21 @@ def unexplained(
     its ratio to its standard error.
     """
     effect = change.effect
-    choice = alone(this.selection, effect, this.selection.given(this.choices))
+    choice = by_module(effect)
     weights = weights_of(effect, reference.days)
     if choice is None or not reference.sees(weights):
         return
     size, stderr, _ = reference.along(weights)
     estimate = float(choice.score.estimate[0])
     seen, more = (
-        reference.expected(effect, value, weights, this.coefficients)
+        reference.expected(effect, value, weights, coefficients)
         for value in (estimate, estimate * (1.0 + choice.sized(effect.name).error))
     )
     error = abs(more - seen)
     outcome = outcome_of(seen, size, float(np.hypot(stderr, error)))
     usual = twin_of(reference.column)
     name = effect.name if usual else LIGHT
-    by_reference, by_module = (
+    sizes = (
         CrossCheck(reference.column, name, *numbers, 0.0, outcome, unit).reads
         for unit in [reference.comparison.unit]
         for numbers in ((size, stderr), (seen, error))
@@ -112,7 +118,7 @@ def unexplained(
     dates = dates_in_words(effect.settings)
     dates = dates if "until" in dates else f"{dates} on"
     words = sentence if contradicted else undecided_sentence
-    said = words(reference.column, usual, dates, by_reference, by_module)
+    said = words(reference.column, usual, dates, *sizes)
     yield contradicted, abs(size) / stderr, said
 
 

@@ -1,7 +1,6 @@
 """What a search came to, as a finished thing."""
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -19,21 +18,19 @@ from pvlib_fem._loop.results.conclude import in_the_model, not_seen, pattern_fin
 from pvlib_fem._loop.results.loop_result import Loop
 from pvlib_fem._loop.results.predicted_patterns import Pattern
 from pvlib_fem._loop.results.repeated_patterns import repeated_tables, with_patterns
+from pvlib_fem._loop.search import Search
 from pvlib_fem._record.column_names import DAYLIGHT
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem.drivers._mounts import without_rows
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.reasons import Because, Reason, because
 
-if TYPE_CHECKING:
-    from pvlib_fem._loop.search import Search
-
 SCORES = [
     f"{name}_{part}" for part in ("train", "test") for name in ("rmse", "mae", "mbe")
 ]
 
 
-def loop_of_search(search: "Search", last: Step, base: str) -> Loop:
+def loop_of_search(search: Search, last: Step, base: str) -> Loop:
     """
     All that was found, as a finished thing.
 
@@ -117,7 +114,7 @@ def loop_of_search(search: "Search", last: Step, base: str) -> Loop:
     )
 
 
-def held_notes(search: "Search") -> Iterator[str]:
+def held_notes(search: Search) -> Iterator[str]:
     """Which coefficients references have a part in, so that the fit holds them."""
     for finding in search.findings:
         if joint := search.choices[finding.effect].joint(finding.effect):
@@ -128,7 +125,7 @@ def held_notes(search: "Search") -> Iterator[str]:
             )
 
 
-def steps_notes(search: "Search") -> list[str]:
+def steps_notes(search: Search) -> list[str]:
     """A module temperature at the end of steps whose irradiance is a mean, in words."""
     if search.last is None or "misfit:early" not in search.last.evidence.misfits:
         return []
@@ -139,7 +136,7 @@ def steps_notes(search: "Search") -> list[str]:
     ]
 
 
-def repeatable_tables(search: "Search", last: Step) -> list[Table]:
+def repeatable_tables(search: Search, last: Step) -> list[Table]:
     """Tables of the residual of the last step, where there are enough days."""
     if search.last is None or (search.findings and not search.case.enough):
         return []
@@ -147,7 +144,7 @@ def repeatable_tables(search: "Search", last: Step) -> list[Table]:
 
 
 def rank_remaining(
-    search: "Search", findings: list[Finding], tables: list[Table]
+    search: Search, findings: list[Finding], tables: list[Table]
 ) -> tuple[Ranking, list[Finding], dict[str, Because], list[Effect]]:
     """Ranking, all findings, why the others could not be seen, effects of hints."""
     case, this = search.case, search.last
