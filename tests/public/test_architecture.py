@@ -96,10 +96,11 @@ def nodes(tree):
 
 
 @cache
-def imports(name):
-    """What a module imports: the module, and the name in it."""
+def imports(name, types=False):
+    """What a module imports, perhaps for types alone: the module, the name in it."""
     found = []
-    for node in nodes(ast.parse(FILES[name].read_text(encoding="utf-8"))):
+    tree = ast.parse(FILES[name].read_text(encoding="utf-8"))
+    for node in ast.walk(tree) if types else nodes(tree):
         if isinstance(node, ast.Import):
             found += [(alias.name, alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -107,9 +108,9 @@ def imports(name):
     return found
 
 
-def own_imports(name):
-    """Modules of the package that a module imports."""
-    for source, whole in imports(name):
+def own_imports(name, types=False):
+    """Modules of the package that a module imports, perhaps for types alone."""
+    for source, whole in imports(name, types):
         if source.split(".")[0] == "pvlib_fem" and whole != "pvlib_fem.__version__":
             inner = whole.removeprefix("pvlib_fem.")
             yield inner if inner in FILES else source.removeprefix("pvlib_fem.")
@@ -143,6 +144,14 @@ def test_imports_go_down_only(name):
     for other in own_imports(name):
         if package_of(other) != package_of(name):
             assert ORDER.index(package_of(other)) < ORDER.index(package_of(name)), other
+
+
+@pytest.mark.parametrize("name", [name for name in FILES if top_of(name) == "_loop"])
+def test_parts_of_the_loop_do_not_know_types_from_above(name):
+    for other in own_imports(name, types=True):
+        if top_of(other) == "_loop":
+            part = package_of(other)
+            assert ORDER.index(part) <= ORDER.index(package_of(name)), other
 
 
 @pytest.mark.parametrize("name", ORDER)
