@@ -57,7 +57,8 @@ def test_power_names_the_irradiance_sensor_or_the_light(half_a_year):  # noqa: F
     assert first.candidates == ("irradiance_sensor_step", "module_irradiance_step")
     assert first.verdict is Verdict.AMBIGUOUS
     one, other = (first.probabilities[name] for name in first.candidates)
-    assert one == other > 0.4
+    # of more light on the modules the temperature tells the size with a larger error
+    assert one > other > 0.3
     (check,) = (one for one in first.cross_checks if one.effect == first.effect)
     assert check.column == "power_ac" and check.outcome is CheckOutcome.AGREES
     assert check.size == pytest.approx(np.log(1.1), abs=3 * check.stderr + 0.005)
@@ -365,11 +366,13 @@ def test_a_reference_says_how_likely_sizes_of_several_changes_are():
         logs([Sized(step, size, 0.1)])[0] for size in (0.1, -0.27, 1e-9)
     )
     # which is neither that of the other sign nor nothing
-    assert 3.0 < right < 6.0 and abs(wrong) < 0.1 and abs(nothing) < 0.1
+    assert 5.0 < right < 8.0 and abs(wrong) < 0.1 and abs(nothing) < 0.1
     steady = deviation_of("power_ac", noise_of(2, days, 0.01))
     assert log_likelihoods_of_sizes([steady], {}, [[Sized(step, 0.1, 0.1)]])[0] < -2.0
     # the other faults of a law share the likelihood, and power shows no contact
-    assert logs([Sized(step, 0.1, 0.1), Sized(light, 0.1, 0.1)]) == [right]
+    assert logs([Sized(step, 0.1, 0.1), Sized(light, 0.1, 0.1)]) == [
+        pytest.approx(right, abs=0.2)
+    ]
     assert logs([Sized(contact, 0.1, 0.1)]) == [0.0]
     half = np.log((np.exp(right) + 1.0) / 2.0)
     faults = [Sized(step, 0.1, 0.1), Sized(contact, 0.1, 0.1)]
@@ -381,6 +384,27 @@ def test_a_reference_says_how_likely_sizes_of_several_changes_are():
     (alone,) = logs([Sized(drift, 0.15, 0.1)])
     of_step, of_drift = logs([sized], [Sized(drift, 0.15, 0.1)])
     assert alone > 2.0 and of_drift < 0.0 < of_step
+
+
+def test_light_on_the_rear_may_show_nothing_in_power():
+    """A brighter ground heats modules of one face; a sensor that reads less cannot."""
+    days = np.arange(400)
+    noise = noise_of(2, days, 0.01)
+    sensor, light = (
+        Sized(CHANGES[f"{name}_step"].make(at="2022-04-28"), 0.1, 0.1)
+        for name in ("irradiance_sensor", "module_irradiance")
+    )
+
+    def log(apart, one):
+        return log_likelihoods_of_sizes([deviation_of("power_ac", apart)], {}, [[one]])
+
+    assert log(noise, sensor)[0] < -3.0
+    assert log(noise, light)[0] == pytest.approx(np.log(0.5), abs=0.1)
+    stepped = noise + np.log1p(0.1) * (days >= 110)
+    assert log(stepped, light)[0] == pytest.approx(log(stepped, sensor)[0], abs=0.5)
+    # another law: heat of the rear stays when the front receives more
+    more = noise + 1.4 * np.log1p(0.1) * (days >= 110)
+    assert log(more, light)[0] > log(more, sensor)[0] + 0.5
 
 
 def test_power_has_worse_odds_than_a_second_sensor():

@@ -10,9 +10,10 @@ from scipy.stats import binomtest, f as fdistribution
 
 from pvlib_fem import Criteria, close_loop, simulator
 from pvlib_fem._findings import OUTSIDE
+from pvlib_fem._loop.references.comparisons import size_error
 from pvlib_fem._loop.regression.design import Changed, Design
 from pvlib_fem._loop.regression.hourly_tangents import filled, independent_columns
-from pvlib_fem._loop.results.conclude import range_around, range_of
+from pvlib_fem._loop.results.conclude import NINETY, range_around, range_of
 from pvlib_fem._loop.search import Search
 from pvlib_fem._loop.selection.change_dates import Scan
 from pvlib_fem._loop.selection.choice import Choice, ShownChange, SizeByReference
@@ -377,6 +378,20 @@ def test_a_size_is_the_mean_of_temperature_and_reference(ratio):
         assert stated <= 1.001 * min(error, other)
         low, high = range_of(key, size, stated * alone, best, name, CRITERIA)
         assert low < size < high
+
+
+def test_a_range_has_the_errors_of_what_gives_the_size():
+    """15 % by the temperature, 5 % by a reference, with 1.64 standard errors."""
+    best, name, key = offset_by_reference()
+    value, other = best.coefficients(name)[key], best.sized(name).error
+    law = size_error(best.top.effect)
+    for error, part in ((1e-4, 0.05), (100.0, law)):
+        best, *_ = offset_by_reference(
+            ratio=1.0, error=error, other=other, shows_it=True
+        )
+        low, high = range_of(key, value, 0.0, best, name, CRITERIA)
+        assert high - value == pytest.approx(NINETY * part * value, rel=0.05)
+        assert value - low == pytest.approx(high - value)
 
 
 def test_a_size_by_temperature_and_reference_is_within_its_bounds():

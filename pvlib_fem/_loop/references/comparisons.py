@@ -13,12 +13,19 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._record.column_names import is_power, twin_of
+from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._instruments import MORE_LIGHT
 from pvlib_fem.power import GAMMA
 
 BRIGHT = 200.0  # W/m², above which light is compared
 BREEZE = 1.0  # m/s, above which wind is
 SLACK = 0.15  # of what is expected: a thermal coefficient is no better than that
+#: of the heat by light, what the rear and the ground have (see ``rear_irradiance``): it
+#: stays when the front receives more, so that the temperature shows less than power
+NOT_OF_FRONT = 0.2
+#: of a size that a reference shows: power is not quite proportional to irradiance, and
+#: second sensors are not quite alike
+REFERENCE_ERROR = 0.05
 FEWEST_DAYS = 40  # on which both are there
 FEWEST_CLEAR = 20  # clear days, since most of the noise is in the others
 #: deviation of light, as a log ratio, by the largest change that a sensor can have
@@ -62,6 +69,8 @@ class Comparison:
     most: float = np.inf  # deviation that a change within its bounds can make
     fewest: int = FEWEST_DAYS
     module: bool = False  # whether the module's temperature is in it
+    #: faults of which it may show nothing
+    unseen: frozenset[str] = frozenset()
 
 
 def always(record: ComparedRecord) -> np.ndarray:
@@ -157,6 +166,40 @@ LIGHT: dict[str, Shows] = {
 }
 #: light that the modules have, and no sensor
 OWN_LIGHT: dict[str, Shows] = {"module_irradiance": of_light, "soiling": of_light}
+
+
+def kind(effect: Effect) -> str:
+    """
+    What a comparison knows an effect by.
+
+    Parameters
+    ----------
+    effect : Effect
+
+    Returns
+    -------
+    str
+        Its sensor fault; of an effect without one its name.
+    """
+    return effect.sensor_fault or effect.name
+
+
+def size_error(effect: Effect) -> float:
+    """
+    Relative error of the size of a change that the module temperature gives.
+
+    Parameters
+    ----------
+    effect : Effect
+
+    Returns
+    -------
+    float
+    """
+    front = kind(effect) in OWN_LIGHT
+    return float(np.hypot(SLACK, NOT_OF_FRONT)) if front else SLACK
+
+
 #: modules in another plane than the sensor, whose own light is as it should be
 STUCK: dict[str, Shows] = {"tracker_stuck": of_light}
 WIND: dict[str, Shows] = {"anemometer": of_wind}
@@ -177,6 +220,8 @@ COMPARISONS = (
         ages=True,
         most=MOST_LIGHT,
         module=True,
+        # a brighter ground lights the rear, which most modules only take up as heat
+        unseen=frozenset({"module_irradiance"}),
     ),
     Comparison(
         called(SKY),

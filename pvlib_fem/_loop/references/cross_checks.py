@@ -25,7 +25,9 @@ HALF = 0.5  # of what is expected: less is nearer to nothing
 SURE = 2.0  # standard errors
 WORTH = 0.05  # probability of a member from which its cross-checks are reported
 DIGITS = 9  # of what is expected
-ODD = 0.05  # probability that a reference shows something else than any candidate
+ODD = 0.02  # probability that a reference shows something else than any candidate
+#: odds that a reference shows nothing of a change that it may not show
+UNSEEN_ODDS = 0.5
 
 
 def log_likelihoods(
@@ -134,6 +136,8 @@ def log_likelihood(shown: Shown, any_size: bool) -> float:
     if not any_size:
         ((name, value),) = shown.expected.items()
         likely = shown.likelihood(value, shown.slack[name] * value)
+        if name in shown.unseen:
+            likely += UNSEEN_ODDS * shown.likelihood(0.0)
     likelihoods = np.array([likely, shown.likelihood(0.0)])
     likelihoods = (1.0 - ODD) * likelihoods + ODD * anything
     return float(np.subtract(*np.log(likelihoods)))
@@ -143,7 +147,8 @@ def shows_it(shown: Shown, name: str) -> bool:
     """Whether a deviation is rather that of a member than one of any other size."""
     value = shown.expected[name]
     likely = shown.likelihood(value, shown.slack[name] * value)
-    return bool((1.0 - ODD) * likely > ODD * shown.likelihood(0.0, value))
+    anything = shown.likelihood(0.0, value)
+    return bool((1.0 - ODD) * likely > ODD * anything)
 
 
 def compared_along(choice: "Choice") -> Effect | None:
@@ -204,8 +209,11 @@ def cross_checked(
             value = shown.expected[name] - aged
             error = float(np.hypot(shown.error, aged / SURE))
             outcome = outcome_of(size, value, error, shown.slack[name])
+            contradicted = outcome is CheckOutcome.CONTRADICTS
+            if contradicted and name in shown.unseen:
+                outcome = CheckOutcome.CANNOT_TELL
             # a trend of power may be its own, and is what a record is corrected for
-            if value and not aged and outcome is not CheckOutcome.CONTRADICTS:
+            if value and not aged and not contradicted:
                 mine = choice.sized(name)
                 ratio, off = one.relative_size(mine, first, shown, coefficients)
                 off /= np.sqrt(one.weight)

@@ -11,10 +11,11 @@ from numpy.lib.stride_tricks import sliding_window_view
 from pvlib_fem._loop.references.comparisons import (
     COMPARISONS,
     SKY,
-    SLACK,
     USUAL_WIND,
     ComparedRecord,
     Comparison,
+    kind,
+    size_error,
 )
 from pvlib_fem._loop.selection.change_sums import UNSEEN
 from pvlib_fem._loop.selection.noise import density
@@ -52,6 +53,7 @@ class Shown:
     #: relative standard errors of these: of a thermal coefficient, and of that size [-]
     slack: dict[str, float]
     aged: float  # by how much it fades by itself
+    unseen: frozenset[str] = frozenset()  # names of which it may show nothing
 
     def likelihood(self, value: float, spread: float = 0.0) -> float:
         """The density of the size where a value with a standard error is expected."""
@@ -233,9 +235,13 @@ class DailyDeviation:
         for effect, of_fit, relative in several:
             name = effect.name
             expected[name] = self.expected(effect, of_fit, weights, coefficients)
-            slack[name] = float(np.hypot(SLACK, relative))
+            slack[name] = float(np.hypot(size_error(effect), relative))
         aged = FADES if self.comparison.ages and is_drift(first) else 0.0
-        return Shown(size, error, expected, slack, aged)
+        faults = self.comparison.unseen
+        unseen = frozenset(
+            one.effect.name for one in several if kind(one.effect) in faults
+        )
+        return Shown(size, error, expected, slack, aged, unseen)
 
     def relative_size(
         self,
@@ -388,22 +394,6 @@ def daily_deviation(
         return (more / np.maximum(whole, 1e-9))[near]
 
     return DailyDeviation(comparison, name, days[near], deviation[near], light)
-
-
-def kind(effect: Effect) -> str:
-    """
-    What a comparison knows an effect by.
-
-    Parameters
-    ----------
-    effect : Effect
-
-    Returns
-    -------
-    str
-        Its sensor fault; of an effect without one its name.
-    """
-    return effect.sensor_fault or effect.name
 
 
 def usual_days(values: np.ndarray, most: float = np.inf) -> np.ndarray:

@@ -6,8 +6,9 @@ from itertools import groupby
 import numpy as np
 
 from pvlib_fem._findings import CheckOutcome, CrossCheck, Finding
+from pvlib_fem._loop.references.comparisons import kind
 from pvlib_fem._loop.references.cross_checks import outcome_of
-from pvlib_fem._loop.references.deviations import DailyDeviation, kind
+from pvlib_fem._loop.references.deviations import DailyDeviation
 from pvlib_fem._loop.selection.choice import Choice, ShownChange
 from pvlib_fem._record.column_names import twin_of
 from pvlib_fem.effects import EFFECTS

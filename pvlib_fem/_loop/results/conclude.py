@@ -16,7 +16,7 @@ from pvlib_fem._findings import (
     Verdict,
 )
 from pvlib_fem._loop.criteria import HALF, Criteria
-from pvlib_fem._loop.references.comparisons import SLACK
+from pvlib_fem._loop.references.comparisons import REFERENCE_ERROR, size_error
 from pvlib_fem._record.column_names import GEOMETRY
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
@@ -164,20 +164,27 @@ def range_of(
     :doi:`10.2307/1913827`). That of a change also has the difference and the error of
     its size given all confounders; that of a trend reaches beyond its sizes over its
     dates. References that show it have a part in the size, so that the errors of the
-    temperature count less. To the mean with one that may show something else the range
-    reaches.
+    temperature and of its law count less. To the mean with one that may show something
+    else the range reaches.
     """
     effect, score = choice.members[name].effect, choice.scores[name]
-    law = NINETY * relative_error(effect, criteria) * value
+    law = relative_error(effect, criteria)
     at, part, other = score.keys.index(key), 1.0, value
     ends = [value * one for one in choice.spreads.get(name, ())]
     beside = choice.confounded.get(name)
     if at == 0 and (shown := choice.by_reference.get(name)):
         if shown.shows_it:  # the errors by confounders are in that of the size
             part, other, beside = 1.0 - shown.share, float(score.estimate[0]), None
+            # of a trend a reference knows the size, and its dates no better
+            if not is_drift(effect):
+                law = float(np.hypot(part * law, shown.share * REFERENCE_ERROR))
         else:
             ends.append(value * shown.mean)
-    halves = [NINETY * error, law, part * (float(score.seen[at]) - other)]
+    halves = [
+        NINETY * error,
+        NINETY * law * value,
+        part * (float(score.seen[at]) - other),
+    ]
     if beside:
         halves += [beside[0], NINETY * beside[1]]
     return range_around(value, halves, effect.rows()[key], ends)
@@ -246,7 +253,7 @@ def relative_error(effect: Effect, criteria: Criteria) -> float:
     own: the same plant without it is the comparison.
     """
     if is_dated(effect):
-        return SLACK
+        return size_error(effect)
     return criteria.shape_error if effect.confounder else criteria.law_error
 
 
