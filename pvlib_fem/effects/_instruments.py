@@ -24,7 +24,8 @@ def irradiance_sensor(poa_global: np.ndarray, *, change: float) -> Terms:
     It is positive if the sensor reads less than before: it loses sensitivity, soils, is
     tilted away, or has a new calibration. It is also positive if the modules receive
     more than before: they were cleaned, or the ground is brighter. Temperature and
-    power cannot tell these apart; a clear sky or a second irradiance sensor can.
+    power cannot tell these apart, and power may not show light on the rear; a clear sky
+    or a second irradiance sensor can.
 
     References
     ----------
