@@ -182,7 +182,7 @@ if data is not None:
 # none does. By the corrected sensor the rate is 0.0 % a year (−0.2 to +0.2): the
 # correction changes the rate by 1.8 % a year. The clear-sky workflow gives 0.0 % a year
 # (−0.4 to +0.5) with the sensor as measured and 0.0 (−0.4 to +0.5) with the corrected
-# one: it changes the rate by 1.8 % a year. The two changes differ by 0.0 % a year. They
+# one: it changes the rate by 1.8 % a year. The two changes differ by 0.1 % a year. They
 # are not quite independent, since a clear sky has a part in the size of the drift.
 #
 # How sure is that?

@@ -18,7 +18,7 @@ from pvlib_fem._loop.references.cross_checks import (
 from pvlib_fem._loop.references.deviations import DailyDeviation, daily_deviations
 from pvlib_fem._loop.references.edge_weeks import by_power
 from pvlib_fem._loop.references.reference_faults import reference_faults
-from pvlib_fem._loop.references.shown_changes import shown_by, with_best_odds
+from pvlib_fem._loop.references.shown_changes import with_best_odds, with_own
 from pvlib_fem._loop.regression.correct_clock import module_clock
 from pvlib_fem._loop.regression.design import Changed
 from pvlib_fem._loop.regression.hourly_tangents import design_of_evidence
@@ -295,13 +295,12 @@ class Search:
     @cached_property
     def references(self) -> list[DailyDeviation]:
         """What candidates are compared with."""
-        return daily_deviations(self.case)
+        return [one for one, _ in self.shown]
 
     @cached_property
     def shown(self) -> list[tuple[DailyDeviation, dict[str, ShownChange]]]:
         """Changes that each reference shows, which no round alters."""
-        limits = self.case.criteria
-        return [(one, shown_by(one, limits)) for one in self.references]
+        return with_own(daily_deviations(self.case), self.case.criteria)
 
     @cached_property
     def shown_changes(self) -> dict[str, ShownChange]:

@@ -14,7 +14,7 @@ from pvlib_fem._loop.references.cross_checks import (
     log_likelihoods_of_sizes,
 )
 from pvlib_fem._loop.references.deviations import DailyDeviation, daily_deviations
-from pvlib_fem._loop.references.shown_changes import shown_changes
+from pvlib_fem._loop.references.shown_changes import with_best_odds, with_own
 from pvlib_fem._loop.regression.design import Changed, Column, Design
 from pvlib_fem._loop.regression.refits import Step
 from pvlib_fem._loop.search import Round
@@ -155,8 +155,10 @@ class Look:
         (fall,) = selection.in_sample([self.one], self.given)
         if fall < OVERLAP * selection.least:
             return False  # too small for any set
-        references = [self.shown_by(one, sum(parts)) for one in self.references]
-        shown = shown_changes(references, limits)
+        seen = (self.shown_by(one, sum(parts)) for one in self.references)
+        pairs = with_own(seen, limits)
+        references = [one for one, _ in pairs]
+        shown = with_best_odds(changes for _, changes in pairs)
         selection, choices = selected(
             design,
             limits,

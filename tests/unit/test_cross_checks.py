@@ -26,7 +26,11 @@ from pvlib_fem._loop.references.deviations import (
     usual_days,
 )
 from pvlib_fem._loop.references.reference_faults import given_others
-from pvlib_fem._loop.references.shown_changes import shown_by, shown_changes
+from pvlib_fem._loop.references.shown_changes import (
+    shown_by,
+    shown_changes,
+    with_own,
+)
 from pvlib_fem._loop.selection.choice import Choice, Sized
 from pvlib_fem._loop.selection.dictionary import Candidate
 from pvlib_fem._record.column_names import COLUMNS, is_cross_check, is_power, twin_of
@@ -384,6 +388,29 @@ def test_a_reference_says_how_likely_sizes_of_several_changes_are():
     (alone,) = logs([Sized(drift, 0.15, 0.1)])
     of_step, of_drift = logs([sized], [Sized(drift, 0.15, 0.1)])
     assert alone > 2.0 and of_drift < 0.0 < of_step
+
+
+@pytest.mark.parametrize("at, start", [(60, "2022-08-10"), (120, "2022-07-10")])
+def test_a_step_that_power_shows_confirms_no_trend(at, start):
+    """Beside what comes back with the year, a step in spring is a trend from summer."""
+    days = np.arange(365)
+    apart = noise_of(2, days, 0.01) - np.log1p(0.1) * (days >= at)
+    power, sky = deviation_of("power_ac", apart), deviation_of(SKY, apart)
+    pairs = with_own([power, sky], Criteria())
+    assert [*pairs[0][1]] == ["irradiance_sensor_step"] and pairs[1][1] == {}
+    drift = Sized(CHANGES["irradiance_sensor_drift"].make(start=start), -0.25, 0.1)
+    step = Sized(pairs[0][0].own[0], -0.1, 0.1)
+    for reference, (given, _) in zip((power, sky), pairs):
+        assert given.own == (step.effect,)
+        before, after = (
+            log_likelihoods_of_sizes([one], {}, [[drift]])[0]
+            for one in (reference, given)
+        )
+        assert before > 0.0 > after
+        # which is as sure of the step as before
+        assert log_likelihoods_of_sizes([given], {}, [[step]]) == (
+            log_likelihoods_of_sizes([reference], {}, [[step]])
+        )
 
 
 def test_light_on_the_rear_may_show_nothing_in_power():

@@ -114,7 +114,8 @@ def test_the_readme_opens_with_what_the_loop_says_of_bolzano(at_bolzano, bolzano
     share = over_temperature(bolzano)
     before, after = share["2011-04":"2012-03"], share["2012-04":"2013-03"]
     assert after.median() / before.median() == pytest.approx(1.2, abs=0.02)
-    (check,) = (one for one in step.cross_checks if one.column == "power_dc")
+    by_dc = (one for one in step.cross_checks if one.column == "power_dc")
+    (check,) = (one for one in by_dc if one.effect == "irradiance_sensor_step")
     expected = check.in_words(check.reading(check.expected))
     words_of = (
         f"by power the sensor reads {check.reads} where {expected} would be needed."

@@ -204,7 +204,7 @@ def cross_checked(
         years = years_to_end(first)  # of a trend that ends, what it reaches
         unit = one.comparison.unit + ("/year" if is_drift(first) and not years else "")
         times = years or 1.0
-        told: set[float] = set()
+        told: set[tuple[float, CheckOutcome]] = set()
         for name in alike:
             value = shown.expected[name] - aged
             error = float(np.hypot(shown.error, aged / SURE))
@@ -220,7 +220,8 @@ def cross_checked(
                 slack, its = shown.slack[name], shows_it(shown, name)
                 by_it = SizeByReference((one.column,), ratio, off, slack, its)
                 sizes.setdefault(name, []).append(by_it)
-            if (same := round(shown.expected[name], DIGITS)) in told:  # of the same law
+            same = round(shown.expected[name], DIGITS), outcome
+            if same in told:  # of the same law
                 continue
             told.add(same)
             numbers = (times * size, times * shown.error, times * value)

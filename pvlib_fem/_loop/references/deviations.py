@@ -26,7 +26,12 @@ from pvlib_fem._statistics.weekly_sums import LeastSquares, products
 from pvlib_fem.drivers import derive_drivers
 from pvlib_fem.drivers._mounts import angles_at
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.effects._time_profiles import is_dated, is_drift, weights_of
+from pvlib_fem.effects._time_profiles import (
+    is_dated,
+    is_drift,
+    time_profile_of,
+    weights_of,
+)
 from pvlib_fem.quality._clearsky import clear_sky
 
 if TYPE_CHECKING:
@@ -74,6 +79,8 @@ class DailyDeviation:
     others: tuple[np.ndarray, ...] = ()  # daily columns of changes that are known
     #: of its evidence; columns of power are of the same modules and count once together
     weight: float = 1.0
+    #: changes that second sensors and power show by themselves, with their dates
+    own: tuple[Effect, ...] = ()
 
     @cached_property
     def usual(self) -> list[np.ndarray]:
@@ -100,6 +107,17 @@ class DailyDeviation:
         profiles = (weights_of(one, self.days) for one in effects)
         others = [one for one in profiles if np.ptp(one) > 0]
         return self.given_columns(others) if others else self
+
+    def given_own(self, first: Effect) -> Self:
+        """
+        The deviation given what references show, if nothing along a time profile.
+
+        Else a step in winter would seem to confirm a trend from summer on.
+        """
+        profile = time_profile_of(first)
+        if not profile or profile in map(time_profile_of, self.own):
+            return self
+        return self.given_effects(self.own)
 
     def given_columns(self, others: Iterable[np.ndarray]) -> Self:
         """The deviation given some daily columns."""
@@ -225,16 +243,17 @@ class DailyDeviation:
         None where it shows nothing.
         """
         weights = weights_of(first, self.days)
-        if not several or not self.sees(weights):
+        given = self.given_own(first)
+        if not several or not given.sees(weights):
             return None
-        size, error, residual = self.along(weights)
+        size, error, residual = given.along(weights)
         # one that acts on some days is compared with as many others, not with weeks
         if not first.sensor_fault:
             error = by_accident(weights > 0.0, residual)
         expected, slack = {}, {}
         for effect, of_fit, relative in several:
             name = effect.name
-            expected[name] = self.expected(effect, of_fit, weights, coefficients)
+            expected[name] = given.expected(effect, of_fit, weights, coefficients)
             slack[name] = float(np.hypot(size_error(effect), relative))
         aged = FADES if self.comparison.ages and is_drift(first) else 0.0
         faults = self.comparison.unseen
@@ -252,7 +271,7 @@ class DailyDeviation:
     ) -> tuple[float, float]:
         """The size of a change by what is shown, relative to the fit, and its error."""
         effect, size, _ = one
-        weights = weights_of(first, self.days)
+        weights, given = weights_of(first, self.days), self.given_own(first)
         ratio, value = 1.0, shown.expected[effect.name]
         # the logarithm of a ratio is not proportional to it
         for _ in range(MOST_TURNS):
@@ -260,7 +279,7 @@ class DailyDeviation:
             ratio = slope * shown.size
             if abs(ratio - before) < CLOSE * abs(ratio):
                 break
-            value = self.expected(effect, ratio * size, weights, coefficients)
+            value = given.expected(effect, ratio * size, weights, coefficients)
             if not value:
                 break
         return ratio, max(abs(slope) * shown.error, SUREST)

@@ -14,6 +14,32 @@ from pvlib_fem._record.column_names import is_power, twin_of
 from pvlib_fem.effects import CHANGES
 
 
+def with_own(
+    references: Iterable[DailyDeviation], criteria: Criteria
+) -> list[tuple[DailyDeviation, dict[str, ShownChange]]]:
+    """
+    Each reference with the changes that it shows, given those that any of them shows.
+
+    Parameters
+    ----------
+    references : iterable of DailyDeviation
+    criteria : Criteria
+        Of the loop.
+
+    Returns
+    -------
+    list of (DailyDeviation, dict of ShownChange)
+        Changes by name.
+    """
+    pairs = [(one, shown_by(one, criteria)) for one in references]
+    all_shown = with_best_odds(shown for _, shown in pairs).values()
+    effects = [change.effect for change in all_shown]
+    return [
+        (replace(one, own=tuple(filter(one.concerns, effects))), shown)
+        for one, shown in pairs
+    ]
+
+
 def shown_changes(
     references: Iterable[DailyDeviation], criteria: Criteria
 ) -> dict[str, ShownChange]:
