@@ -1144,6 +1144,19 @@ def test_a_change_of_frosty_days_is_never_identified(coldest, frosty):
         assert found[effect.name] >= CRITERIA.min_probability
 
 
+@pytest.mark.parametrize(("at", "frosty"), [(60, True), (200, False)])
+def test_a_change_after_frosty_days_is_one_of_these_days(at, frosty):
+    """A step at the end of a frosty winter is a temporary change until then."""
+    days, hours = clock(365)
+    air = np.where(days < 60, -4.0, 15.0) + 3.0 * (hours > 9)
+    changing = [CHANGES["module_offset_step"]]
+    columns = {"one": np.ones(len(days))}
+    rest = noise(np.random.default_rng(5), len(days))
+    made = design(rest, columns, days, hours, changing, temp_air=air)
+    effect = changing[0].make(at=str(np.datetime64(START + at, "D")))
+    assert is_frosty(made, effect) is frosty
+
+
 @pytest.mark.parametrize(("shown", "taken"), [(201, 201), (100, 200)])
 def test_a_date_that_a_second_sensor_shows_is_taken_unless_another_is_better(
     shown, taken

@@ -64,7 +64,7 @@ def prior_of(
     Probability of a cause outside as a rival, and that it looks alike.
 
     On ``frosty`` days snow and ice can cover modules or sensors for as long as a change
-    lasts.
+    lasts, or until it begins.
     """
     if effect.unseen_light:  # a reflection onto the modules looks the same
         return REFLECTED, 1.0
@@ -81,13 +81,14 @@ def prior_of(
 
 
 def is_frosty(design: "Design", effect: Effect) -> bool:
-    """Whether it freezes on most days of a change."""
+    """Whether it freezes on most days with a change, or on most days without it."""
     air = design.places.get("temp_air")
     if air is None or not effect.sensor_fault:
         return False
     weight = weights_of(effect, design.dates)
     frost = np.fmin.reduceat(air, design.first) < 0.0
-    return bool(weight @ frost > 0.5 * weight.sum())
+    sides = weight, weight.max() - weight
+    return any(side @ frost > 0.5 * side.sum() for side in sides)
 
 
 def with_outside(
