@@ -28,7 +28,7 @@ from pvlib_fem._loop.references.deviations import (
 from pvlib_fem._loop.references.reference_faults import given_others
 from pvlib_fem._loop.references.shown_changes import (
     shown_by,
-    shown_changes,
+    with_best_odds,
     with_own,
 )
 from pvlib_fem._loop.selection.choice import Choice, Sized
@@ -285,11 +285,11 @@ def test_a_second_sensor_shows_a_change_on_its_day(column, fault, noise):
     for seed in range(10):
         days = np.arange(400)
         apart = lfilter([np.sqrt(0.75)], [1.0, -0.5], noise_of(seed, days, noise))
-        assert shown_changes([deviation_of(column, apart)], Criteria()) == {}
+        assert shown_changes([deviation_of(column, apart)]) == {}
         season = apart + 5.0 * noise * np.cos(2.0 * np.pi * days / 365.25)
-        assert shown_changes([deviation_of(column, season[:330])], Criteria()) == {}
+        assert shown_changes([deviation_of(column, season[:330])]) == {}
         stepped = apart - 4.0 * noise * (days >= at)
-        (one,) = shown_changes([deviation_of(column, stepped)], Criteria()).values()
+        (one,) = shown_changes([deviation_of(column, stepped)]).values()
         assert one.effect.name == f"{fault}_step"
         at_day = np.datetime64(one.effect.settings["at"])
         off.append(abs(np.datetime64(19000 + at, "D") - at_day).astype(int))
@@ -304,7 +304,7 @@ def test_a_second_sensor_shows_a_temporary_change_beside_a_season(days, begin):
     first = int(begin * len(days))
     season = 0.1 * np.cos(2.0 * np.pi * days / 365.25)
     apart = noise + season - 0.8 * ((days >= first) & (days < first + 50))
-    shown = shown_changes([deviation_of("temp_air_2", apart)], Criteria())
+    shown = shown_changes([deviation_of("temp_air_2", apart)])
     (one,) = shown.values()
     assert one.effect.name == "air_offset_episode"
     dates = [np.datetime64(19000 + day, "D") for day in (first, first + 50)]
@@ -392,7 +392,7 @@ def test_a_reference_says_how_likely_sizes_of_several_changes_are():
 
 @pytest.mark.parametrize("at, start", [(60, "2022-08-10"), (120, "2022-07-10")])
 def test_a_step_that_power_shows_confirms_no_trend(at, start):
-    """Beside what comes back with the year, a step in spring is a trend from summer."""
+    """With the year taken off, a step in spring is much like a trend from summer on."""
     days = np.arange(365)
     apart = noise_of(2, days, 0.01) - np.log1p(0.1) * (days >= at)
     power, sky = deviation_of("power_ac", apart), deviation_of(SKY, apart)
@@ -439,7 +439,7 @@ def test_power_has_worse_odds_than_a_second_sensor():
     noise = noise_of(1, np.arange(400), 0.01)
     stepped = noise - 0.1 * (np.arange(400) >= 150)
     light, power = (
-        shown_changes([deviation_of(column, stepped)], Criteria()).values()
+        shown_changes([deviation_of(column, stepped)]).values()
         for column in ("poa_global_2", "power_ac")
     )
     (light,), (power,) = light, power
@@ -447,8 +447,13 @@ def test_power_has_worse_odds_than_a_second_sensor():
     assert light.log_odds == 0.0
     assert np.exp(power.log_odds) == pytest.approx(Criteria().prior_odds)
     both = [deviation_of(name, stepped) for name in ("power_ac", "poa_global_2")]
-    (one,) = shown_changes(both, Criteria()).values()
+    (one,) = shown_changes(both).values()
     assert one.log_odds == 0.0
+
+
+def shown_changes(references):
+    """Changes that any reference shows, by name."""
+    return with_best_odds(shown for _, shown in with_own(references, Criteria()))
 
 
 def noise_of(seed, days, size):

@@ -40,27 +40,6 @@ def with_own(
     ]
 
 
-def shown_changes(
-    references: Iterable[DailyDeviation], criteria: Criteria
-) -> dict[str, ShownChange]:
-    """
-    Changes by which second sensors and power deviate from instruments, with dates.
-
-    Parameters
-    ----------
-    references : iterable of DailyDeviation
-        Of all that is compared with instruments.
-    criteria : Criteria
-        Of the loop. A change of any size counts.
-
-    Returns
-    -------
-    dict of ShownChange
-        By name. If several references show one, it is that with the best odds.
-    """
-    return with_best_odds(shown_by(one, criteria) for one in references)
-
-
 def shown_by(reference: DailyDeviation, criteria: Criteria) -> dict[str, ShownChange]:
     """
     Changes by which a second sensor or power deviates from an instrument, with dates.
