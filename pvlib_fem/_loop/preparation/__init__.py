@@ -1,1 +1,1 @@
-"""What is used, what is tried, and what is left out."""
+"""The record as the loop uses it, and the effects that it tries."""

@@ -54,7 +54,7 @@ def alternatives(
     Other choices, and by how much they have to be better. [K²]
 
     One time profile can stand for two, such as a temporary change for a trend and a
-    step. So each change is left out, the others are made anew without its time
+    step. So each change is omitted, the others are made anew without its time
     profile, and then with it, as the refinement of SuSiE does (Zou et al., 2022).
     Two changes can also hide each other, such as a trend until a sensor is cleaned.
     """

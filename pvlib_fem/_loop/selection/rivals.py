@@ -27,7 +27,7 @@ def weighed(selection: Selection, choice: Choice, others: Sequence[Choice]) -> C
     choice : Choice
         With its best candidate alone.
     others : sequence of Choice
-        Those that are given.
+        Choices that are given.
 
     Returns
     -------
