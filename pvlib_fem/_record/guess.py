@@ -282,7 +282,7 @@ def texts_of_missing(raw: pd.DataFrame, layout: Layout) -> tuple[str, ...]:
 
 def texts_of_infinity(raw: pd.DataFrame) -> tuple[str, ...]:
     """Texts for infinite numbers, as a logger writes what it cannot compute."""
-    values = raw.select_dtypes("number").to_numpy(float)
+    values = raw.select_dtypes("float").to_numpy(float, na_value=np.nan)
     return tuple(text for text in ("INF", "-INF") if (values == float(text)).any())
 
 
