@@ -79,6 +79,10 @@ class Reason(Enum):
         "the error follows these inputs, and not by this law under all conditions: a "
         "cause outside the catalogue is more probable ({chance:.0%})"
     )
+    SNOW = (
+        "only days with frost, and the week after, show it, so that snow or ice is as "
+        "probable ({chance:.0%})"
+    )
     LESS_ON_OWN_STEPS = (
         "on the record's own steps the error falls by {gain:.2f} K, in means by "
         "{means:.2f} K"

@@ -63,10 +63,11 @@ def faults_to_correct(loop: Any, resolve: Any) -> list:
             faults.append(Fault(finding.effect, why=why))
         elif cause in (None, finding.effect):
             faults.append(Fault.from_finding(effects[finding.effect], finding))
-        else:
-            member = finding.members[cause]
+        elif member := finding.members.get(cause):
             effect = find({"name": cause, **member.settings})
             faults.append(Fault.from_finding(effect, member))
+        else:
+            faults.append(Fault(cause, why="it is no fault of an instrument"))
     return faults
 
 

@@ -6,7 +6,6 @@ from functools import partial
 
 import numpy as np
 
-from pvlib_fem._findings import OUTSIDE
 from pvlib_fem._loop.criteria import HALF
 from pvlib_fem._loop.preparation.divided_record import Case
 from pvlib_fem._loop.references.cross_checks import (
@@ -181,7 +180,7 @@ class Look:
             logs = log_likelihoods(compared, choice, self.coefficients)
             choice = with_outside(design, choice, given, limits, logs)
             if self.one.name in choice.credible_names(limits.min_probability):
-                known = choice.probabilities[OUTSIDE] <= HALF
+                known = choice.untested <= HALF
                 return known or self.one.effect.unseen_light
         return False
 

@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 from scipy.stats import binomtest, f as fdistribution
 
 from pvlib_fem import Criteria, close_loop, simulator
-from pvlib_fem._findings import OUTSIDE
+from pvlib_fem._findings import OUTSIDE, SNOW
 from pvlib_fem._loop.references.comparisons import size_error
 from pvlib_fem._loop.regression.design import Changed, Design
 from pvlib_fem._loop.regression.hourly_tangents import filled, independent_columns
@@ -20,7 +20,6 @@ from pvlib_fem._loop.selection.choice import Choice, ShownChange, SizeByReferenc
 from pvlib_fem._loop.selection.dictionary import Candidate, all_candidates, log_odds
 from pvlib_fem._loop.selection.noise import (
     WithinCells,
-    is_frosty,
     law_misfits,
     prior_of,
     random_effects,
@@ -1119,42 +1118,44 @@ def test_what_an_unknown_cause_can_imitate_is_never_identified(name):
     assert prior_of(EFFECTS["irradiance_sensor_step"], 0.07)[1] < 1.0
 
 
-@pytest.mark.parametrize(("coldest", "frosty"), [(-4.0, True), (4.0, False)])
-def test_a_change_of_frosty_days_is_never_identified(coldest, frosty):
-    """Snow and ice cover modules and sensors, for as long as it freezes."""
+def probabilities_of(residual, effect, air):
+    """Probabilities of the best candidate for a residual of a year, as by dates."""
     days, hours = clock(365)
-    winter = (days >= 100) & (days < 160)
-    rest = 2.0 * winter + noise(np.random.default_rng(5), len(days))
-    changing = [CHANGES["module_offset_episode"]]
-    air = np.where(winter, coldest, 15.0) + 3.0 * (hours > 9)
+    rest = residual + noise(np.random.default_rng(5), len(days))
     columns = {"one": np.ones(len(days))}
-    made = design(rest, columns, days, hours, changing, temp_air=air)
-    effect = changing[0].make(
-        start=str(np.datetime64(START + 100, "D")),
-        end=str(np.datetime64(START + 160, "D")),
-    )
-    assert is_frosty(made, effect) is frosty
+    made = design(rest, columns, days, hours, [CHANGES[effect]], temp_air=air)
     selection = Selection(made, CRITERIA)
     best = weighed(selection, selection.best([]), [])
-    assert best.top.name == effect.name
-    found = with_outside(made, best, [*made.base], CRITERIA).probabilities
-    if frosty:
-        assert found[OUTSIDE] >= CRITERIA.outside_probability
-    else:
-        assert found[effect.name] >= CRITERIA.min_probability
+    assert best.top.name == effect
+    return with_outside(made, best, [*made.base], CRITERIA).probabilities
 
 
-@pytest.mark.parametrize(("at", "frosty"), [(60, True), (200, False)])
-def test_a_change_after_frosty_days_is_one_of_these_days(at, frosty):
-    """A step at the end of a frosty winter is a temporary change until then."""
+@pytest.mark.parametrize("coldest", [-4.0, 4.0])
+def test_a_change_of_frosty_days_alone_is_as_probably_snow(coldest):
+    """Snow and ice cover modules and sensors, for as long as it freezes."""
     days, hours = clock(365)
+    winter, effect = (days >= 100) & (days < 160), "module_offset_episode"
+    air = np.where(winter, coldest, 15.0) + 3.0 * (hours > 9)
+    found = probabilities_of(2.0 * winter, effect, air)
+    if coldest < 0.0:
+        assert found[SNOW] == pytest.approx(0.5, abs=0.02)
+        assert found[effect] < 0.5
+    else:
+        assert SNOW not in found
+        assert found[effect] >= CRITERIA.min_probability
+
+
+@pytest.mark.parametrize(("at", "snow"), [(60, True), (200, False)])
+def test_a_step_is_snow_only_if_it_is_none_without_the_frosty_days(at, snow):
+    """A step at the end of a frosty winter is a temporary change until then."""
+    (days, hours), effect = clock(365), "module_offset_step"
     air = np.where(days < 60, -4.0, 15.0) + 3.0 * (hours > 9)
-    changing = [CHANGES["module_offset_step"]]
-    columns = {"one": np.ones(len(days))}
-    rest = noise(np.random.default_rng(5), len(days))
-    made = design(rest, columns, days, hours, changing, temp_air=air)
-    effect = changing[0].make(at=str(np.datetime64(START + at, "D")))
-    assert is_frosty(made, effect) is frosty
+    found = probabilities_of(2.0 * (days >= at), effect, air)
+    if snow:
+        assert found[SNOW] == pytest.approx(0.5, abs=0.02)
+    else:
+        assert found[SNOW] < 0.001
+        assert found[effect] >= CRITERIA.min_probability
 
 
 @pytest.mark.parametrize(("shown", "taken"), [(201, 201), (100, 200)])

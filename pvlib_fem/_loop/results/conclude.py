@@ -8,6 +8,7 @@ import numpy as np
 
 from pvlib_fem._findings import (
     OUTSIDE,
+    SNOW,
     Check,
     CheckOutcome,
     Finding,
@@ -62,7 +63,7 @@ def finding_of(
     credible = choice.credible_names(limits.min_probability)
     names = (effect.name, *(n for n in credible if n not in (effect.name, OUTSIDE)))
     score, gain = choice.scores[effect.name], float(np.sqrt(choice.fall))
-    outside = choice.probabilities[OUTSIDE]
+    untested, snow = choice.untested, choice.probabilities.get(SNOW, 0.0)
     why = because(Reason.GAINED, gain=gain)
     verdict = Verdict.IDENTIFIED if credible == [effect.name] else Verdict.AMBIGUOUS
     checks = [
@@ -70,22 +71,17 @@ def finding_of(
         check_of_gain(gain, floor * score.acting),
     ]
     if verdict is Verdict.AMBIGUOUS:
-        measurements = deciding_measurements([choice.members[n].effect for n in names])
+        measurements = deciding_measurements(choice.effects_of(names))
         if measurements:
             decided = because(Reason.WOULD_DECIDE, measurements=measurements)
             why = replace(why, also=(decided,))
     # a model with the sensor's fault is right for other light on the modules, too
-    if outside > HALF and not effect.unseen_light:
-        verdict, why = Verdict.HINT, because(Reason.OUTSIDE, chance=outside)
-        checks.append(
-            Check(
-                "cause outside the catalogue",
-                "outside_probability",
-                outside,
-                HALF,
-                most=True,
-            )
-        )
+    if untested > HALF and not effect.unseen_light:
+        reason, words = Reason.OUTSIDE, "cause outside the catalogue"
+        if snow > 0.5 * untested:
+            reason, words = Reason.SNOW, f"snow or a {words}"
+        verdict, why = Verdict.HINT, because(reason, chance=untested)
+        checks.append(Check(words, "outside_probability", untested, HALF, most=True))
     elif not case.enough:
         verdict = Verdict.HINT
         check, why = too_short(case)
@@ -113,7 +109,7 @@ def finding_of(
         members={
             name: member_of(choice, name, limits)
             for name in names[1:]
-            if name in EFFECTS
+            if name in EFFECTS and name in choice.members
         },
     )
 

@@ -1,10 +1,12 @@
 """A single effect: its best candidate, all that may be it, and how well each fits."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
+
+from pvlib_fem.effects import EFFECTS
 
 if TYPE_CHECKING:
     from pvlib_fem._findings import CrossCheck
@@ -167,6 +169,17 @@ class Choice:
         shown = joint.ratio * float(score.estimate[0])
         size = values[key] + joint.share * (shown - values[key])
         return {key: min(max(size, row.lower), row.upper)}
+
+    @property
+    def untested(self) -> float:
+        """Probability of all that is no member: a cause outside, and snow."""
+        return sum(p for n, p in self.probabilities.items() if n not in self.members)
+
+    def effects_of(self, names: Iterable[str]) -> list["Effect"]:
+        """Effects of some names; of one that no column shows, from the catalogue."""
+        return [
+            self.members[n].effect if n in self.members else EFFECTS[n] for n in names
+        ]
 
     @property
     def first(self) -> str:

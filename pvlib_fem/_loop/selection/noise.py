@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pvlib_fem._findings import OUTSIDE
+from pvlib_fem._findings import OUTSIDE, SNOW
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY
 from pvlib_fem._statistics.axes import CLOCK, Axis, sorted_by
 from pvlib_fem._statistics.tables import (
@@ -55,23 +55,19 @@ ALIKE = 0.1  # of unknown causes that follow a driver, as alike as its effect
 #: shade; below a half, since its law is the same, so that a model with it is right in
 #: either case
 REFLECTED = 0.45
+THAW = 7  # days after frost on which snow can still lie
+SEEN = 1e-4  # of a column's square: with less of it nothing is seen
+EVEN = 0.5  # probability that what changes with the frost alone is snow or ice
 
 
-def prior_of(
-    effect: Effect, outside: float, frosty: bool = False
-) -> tuple[float, float]:
-    """
-    Probability of a cause outside as a rival, and that it looks alike.
-
-    On ``frosty`` days snow and ice can cover modules or sensors for as long as a change
-    lasts, or until it begins.
-    """
+def prior_of(effect: Effect, outside: float) -> tuple[float, float]:
+    """Probability of a cause outside as a rival, and that it looks alike."""
     if effect.unseen_light:  # a reflection onto the modules looks the same
         return REFLECTED, 1.0
     # heat along a user's column is no law that another cause would break, and all that
     # stores heat near the modules makes them slower, some of it for a season
     slower = effect.sensor_fault == "time_constant"
-    if effect.column or effect.imitable or slower or frosty:
+    if effect.column or effect.imitable or slower:
         return outside, 1.0
     dated = effect.sensor_fault or effect.turns  # a fault of one device from a date on
     if dated or (own_columns(effect.drivers) and not effect.confounder):
@@ -80,15 +76,37 @@ def prior_of(
     return outside, 1.0
 
 
-def is_frosty(design: "Design", effect: Effect) -> bool:
-    """Whether it freezes on most days with a change, or on most days without it."""
+def by_snow(
+    design: "Design", one: "Candidate", given: Sequence["Column"], law: float
+) -> float:
+    """
+    Probability that a change is snow or ice on modules or sensors.
+
+    These last for as long as it freezes: of a change of a sensor or mounting, the
+    same size remains without the days with frost, and of snow nothing does.
+    """
     air = design.places.get("temp_air")
-    if air is None or not effect.sensor_fault:
-        return False
-    weight = weights_of(effect, design.dates)
+    if air is None or not one.effect.sensor_fault:
+        return 0.0
     frost = np.fmin.reduceat(air, design.first) < 0.0
-    sides = weight, weight.max() - weight
-    return any(side @ frost > 0.5 * side.sum() for side in sides)
+    if not frost.any():
+        return 0.0
+    last = np.maximum.accumulate(np.where(frost, design.dates, -np.inf))
+    free = replace(
+        design, rows=design.rows * design.in_cells(design.dates - last > THAW)
+    )
+    # what the instrument has had all the time is no change
+    every = [*dict.fromkeys([*given, one.change.place]), one.change]
+    columns = [design.cells[:, 0], *map(design.values, every)]
+    plain = LeastSquares(design.by_week(every), 1)
+    other = LeastSquares(free.weekly_products(np.array(columns).T), 1)
+    (size,), (remains,) = plain.estimate, other.estimate
+    if other.weights.sum() <= SEEN * plain.weights.sum() or not size:
+        return EVEN
+    variance = other.by_all_weeks()[0][0, 0]
+    width = float(np.hypot(np.sqrt(variance), law * size))
+    device, snow = density(remains - size, width), density(remains, width)
+    return EVEN * snow / (EVEN * snow + (1.0 - EVEN) * device)
 
 
 def with_outside(
@@ -99,7 +117,7 @@ def with_outside(
     logs: Mapping[str, float] | None = None,
 ) -> "Choice":
     """
-    The choice with the probability of each member and of a cause outside.
+    The choice with the probability of each member, of snow and of a cause outside.
 
     Parameters
     ----------
@@ -120,23 +138,27 @@ def with_outside(
     most = max(logs.values())
     times = {name: float(np.exp(log - most)) for name, log in logs.items()}
     tables: dict[bool, WithinCells] = {}  # by whether days are the draws
-    mine, outside = {}, 0.0
+    mine, outside, snow = {}, 0.0, 0.0
     for name, one in choice.members.items():
         weight = choice.weights[name] * times[name]
-        frosty = is_frosty(design, one.effect)
-        odds, alike = prior_of(one.effect, criteria.outside_probability, frosty)
+        odds, alike = prior_of(one.effect, criteria.outside_probability)
+        icy = by_snow(design, one, given, criteria.law_error)
         own = design.fit_for([one.effect])
         within = tables.setdefault(own.daily_draws, WithinCells(own, given))
         sizes = remaining_shares(one, within)
         rest = law_misfits(own, one, given, choice.fall)
         inside, beyond = likelihoods(sizes, rest, criteria.law_error)
-        mine[name] = weight * (1.0 - odds) * inside
+        mine[name] = weight * (1.0 - odds) * (1.0 - icy) * inside
         unknown = alike * inside + (1.0 - alike) * beyond
         if alike == 1.0:  # all of them look as this one, or worse
             unknown = max(inside, beyond)
-        outside += choice.weights[name] * times[OUTSIDE] * odds * unknown
-    total = sum(mine.values()) + outside
+        weight = choice.weights[name] * times[OUTSIDE]
+        outside += weight * odds * (1.0 - icy) * unknown
+        snow += weight * icy * inside
     mine[OUTSIDE] = outside
+    if snow:
+        mine[SNOW] = mine.get(SNOW, 0.0) + snow
+    total = sum(mine.values())
     # rounding errors must not choose among causes that are equally probable
     probabilities = {n: float(round(p / total, DIGITS)) for n, p in mine.items()}
     order = sorted(probabilities.items(), key=lambda item: -item[1])
