@@ -1158,6 +1158,28 @@ def test_a_step_is_snow_only_if_it_is_none_without_the_frosty_days(at, snow):
         assert found[effect] >= CRITERIA.min_probability
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "later", "there"),
+    [(2.0, 0.8, 0, False), (2.0, 0.8, 120, True), (1.0, 1.0, 0, True)],
+)
+def test_what_the_law_of_a_change_may_leave_is_no_other_change(
+    first, second, later, there
+):
+    """Another one has dates of its own, or is larger than that error."""
+    (days, hours), random = clock(365), np.random.default_rng(3)
+    shape = np.sin(2.0 * np.pi * hours / 24.0)
+    rest = first * (days >= 150) + second * shape * (days >= 150 + later)
+    rest += 0.3 * noise(random, len(days))
+    columns = {"shape": shape, "one": np.ones(len(days))}
+    changing = CHANGES["module_offset_step"], CHANGES["module_sensor_contact_step"]
+    made = design(rest, columns, days, hours, changing)
+    offset, contact = (effect.sensor_fault for effect in changing)
+    made = replace(made, sensor_faults={offset: 3, contact: 1})
+    names = {one.top.name for one in Selection(made, CRITERIA).run()}
+    assert "module_offset_step" in names
+    assert ("module_sensor_contact_step" in names) is there
+
+
 @pytest.mark.parametrize(("shown", "taken"), [(201, 201), (100, 200)])
 def test_a_date_that_a_second_sensor_shows_is_taken_unless_another_is_better(
     shown, taken

@@ -33,6 +33,8 @@ BETTER = 1.02  # times as much as another explains a candidate has to, to replac
 MOST_SHOWN = 5.0  # log-likelihood by all references that one candidate adds or takes
 SWEEPS = 4  # times that every choice is made anew given the others
 MOST = 10  # effects in one model
+#: part of the error of a law that looks like one other fault: it has several shapes
+ONE_FAULT = 0.5
 #: log-likelihood by references of each of several changes, given all others
 Likelihoods = Callable[[Sequence[Sequence[Sized]]], Sequence[float]]
 
@@ -106,6 +108,10 @@ class Selection:
     scores: dict[tuple, Score] = field(default_factory=dict)
     #: log-likelihoods by references of the changes among some columns
     logs: dict[frozenset[Column], dict[Column, float]] = field(default_factory=dict)
+    #: what each change among some columns explains
+    explained: dict[tuple[Column, ...], dict[Changed, float]] = field(
+        default_factory=dict
+    )
 
     @cached_property
     def seen(self) -> Design:
@@ -363,10 +369,12 @@ class Selection:
         if one.effect.sensor_fault:
             # other dates are no placebo of a date: whatever is slow has some
             null, freedom = whitened.by_all_weeks()
+            part, more = self.given_laws(one.change, given, float(null[0, 0]))
         else:
             null, freedom = self.seen.placebo(given, own, whitened)
-        rows, null = one.rows(design), null / unit
-        seen = whitened.estimate / scale
+            part, more = 1.0, 1.0
+        rows, null = one.rows(design), more * null / unit
+        seen = part * whitened.estimate / scale
         fits = within_bounds(rows.values(), estimate, np.sqrt(np.diag(covariance)))
         gain, acting = gain / design.count, self.acting(one)
         shown = beside = 0.0
@@ -389,6 +397,47 @@ class Selection:
             shown,
         )
         return self.scores[key]
+
+    def given_laws(
+        self, change: Changed, given: Sequence[Column], noise: float
+    ) -> tuple[float, float]:
+        """
+        Factors of the estimate of a change and its variance by the laws of others.
+
+        The law of a fault has a relative error, and what it leaves has its dates. It
+        may look like another fault: it is a random effect along the column of the
+        change on those dates. ``noise`` is the variance of the estimate without it.
+        """
+        error = (ONE_FAULT * self.criteria.law_error) ** 2
+        laws = {
+            Changed.from_effect(change.place, one.effect): error * square
+            for one, square in self.squares(given).items()
+            if one.place != change.place
+        }
+        if not laws:
+            return 1.0, 1.0
+        whole = self.design.whole([*given, *laws, change])
+        beyond = given_first(whole, len(given))
+        law, own = beyond[1:-1, 1:-1], beyond[1:-1, -1]
+        noise *= beyond[-1, -1]
+        prior = noise * np.diag(law) / np.fromiter(laws.values(), float)
+        share = np.linalg.solve(law + np.diag(prior), own)
+        square = beyond[-1, -1] - share @ own
+        score = beyond[0, -1] - share @ beyond[0, 1:-1]
+        more = beyond[-1, -1] / square
+        return float(more * score / beyond[0, -1]), float(more)
+
+    def squares(self, given: Sequence[Column]) -> dict[Changed, float]:
+        """Sum of squares that each change among some columns explains."""
+        key = tuple(given)
+        if key not in self.explained:
+            changes = [one for one in given if isinstance(one, Changed)]
+            if changes:
+                whole = self.design.whole(given)
+                inverse = np.linalg.inv(with_ridge(whole[1:, 1:]))
+                falls = (inverse @ whole[1:, 0]) ** 2 / np.diag(inverse)
+            self.explained[key] = {c: float(falls[given.index(c)]) for c in changes}
+        return self.explained[key]
 
     def shown_with(
         self, one: Candidate, given: Sequence[Column]
