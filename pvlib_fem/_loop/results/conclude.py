@@ -77,10 +77,11 @@ def finding_of(
             why = replace(why, also=(decided,))
     # a model with the sensor's fault is right for other light on the modules, too
     if untested > HALF and not effect.unseen_light:
-        reason, words = Reason.OUTSIDE, "cause outside the catalogue"
+        verdict, words = Verdict.HINT, "cause outside the catalogue"
+        why = because(Reason.OUTSIDE, chance=untested)
         if snow > 0.5 * untested:
-            reason, words = Reason.SNOW, f"snow or a {words}"
-        verdict, why = Verdict.HINT, because(reason, chance=untested)
+            words = f"snow or a {words}"
+            why = because(Reason.SNOW, chance=untested)
         checks.append(Check(words, "outside_probability", untested, HALF, most=True))
     elif not case.enough:
         verdict = Verdict.HINT

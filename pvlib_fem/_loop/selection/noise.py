@@ -55,6 +55,7 @@ ALIKE = 0.1  # of unknown causes that follow a driver, as alike as its effect
 #: shade; below a half, since its law is the same, so that a model with it is right in
 #: either case
 REFLECTED = 0.45
+AIR = "air_offset"  # of the thermometer that shows the frost
 THAW = 7  # days after frost on which snow can still lie
 SEEN = 1e-4  # of a column's square: with less of it nothing is seen
 EVEN = 0.5  # probability that what changes with the frost alone is snow or ice
@@ -77,17 +78,24 @@ def prior_of(effect: Effect, outside: float) -> tuple[float, float]:
 
 
 def by_snow(
-    design: "Design", one: "Candidate", given: Sequence["Column"], law: float
+    design: "Design",
+    one: "Candidate",
+    size: float,
+    given: Sequence["Column"],
+    law: float,
 ) -> float:
     """
     Probability that a change is snow or ice on modules or sensors.
 
     These last for as long as it freezes: of a change of a sensor or mounting, the
-    same size remains without the days with frost, and of snow nothing does.
+    same size remains without the days with frost, and of snow nothing does. A change
+    of the air sensor by a ``size`` [K] changes on which days it freezes.
     """
     air = design.places.get("temp_air")
     if air is None or not one.effect.sensor_fault:
         return 0.0
+    if one.effect.sensor_fault == AIR:
+        air = air + size * design.weight(one.change)
     frost = np.fmin.reduceat(air, design.first) < 0.0
     if not frost.any():
         return 0.0
@@ -100,12 +108,12 @@ def by_snow(
     columns = [design.cells[:, 0], *map(design.values, every)]
     plain = LeastSquares(design.by_week(every), 1)
     other = LeastSquares(free.weekly_products(np.array(columns).T), 1)
-    (size,), (remains,) = plain.estimate, other.estimate
-    if other.weights.sum() <= SEEN * plain.weights.sum() or not size:
+    (there,), (remains,) = plain.estimate, other.estimate
+    if other.weights.sum() <= SEEN * plain.weights.sum() or not there:
         return EVEN
     variance = other.by_all_weeks()[0][0, 0]
-    width = float(np.hypot(np.sqrt(variance), law * size))
-    device, snow = density(remains - size, width), density(remains, width)
+    width = float(np.hypot(np.sqrt(variance), law * there))
+    device, snow = density(remains - there, width), density(remains, width)
     return EVEN * snow / (EVEN * snow + (1.0 - EVEN) * device)
 
 
@@ -142,7 +150,8 @@ def with_outside(
     for name, one in choice.members.items():
         weight = choice.weights[name] * times[name]
         odds, alike = prior_of(one.effect, criteria.outside_probability)
-        icy = by_snow(design, one, given, criteria.law_error)
+        size = float(choice.scores[name].estimate[0])
+        icy = by_snow(design, one, size, given, criteria.law_error)
         own = design.fit_for([one.effect])
         within = tables.setdefault(own.daily_draws, WithinCells(own, given))
         sizes = remaining_shares(one, within)
