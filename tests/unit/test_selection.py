@@ -61,7 +61,8 @@ def design(residual, columns, days, hours, changing=(), own=(), **places):
         for name in own
     }
     taken = {place for places in mine.values() for place in places}
-    usual = {name: np.zeros(rows) for name in ("poa_global", "wind_speed", "temp_air")}
+    usual = {name: np.zeros(rows) for name in ("poa_global", "wind_speed")}
+    usual["temp_air"] = np.full(rows, 15.0)  # no frost, and so no snow
     clock = {"hour": hours, "month": 1 + days // 31 % 12, "weekend": days % 7 >= 5}
     return replace(
         made,

@@ -79,23 +79,23 @@ def prior_of(effect: Effect, outside: float) -> tuple[float, float]:
 
 def by_snow(
     design: "Design",
-    one: "Candidate",
-    size: float,
+    choice: "Choice",
+    name: str,
     given: Sequence["Column"],
     law: float,
 ) -> float:
     """
-    Probability that a change is snow or ice on modules or sensors.
+    Probability that a member that is a change is snow or ice on modules or sensors.
 
     These last for as long as it freezes: of a change of a sensor or mounting, the
-    same size remains without the days with frost, and of snow nothing does. A change
-    of the air sensor by a ``size`` [K] changes on which days it freezes.
+    same size remains without the days with frost, and of snow nothing does. A fault
+    of the air sensor alters on which days it freezes.
     """
-    air = design.places.get("temp_air")
+    one, air = choice.members[name], design.places.get("temp_air")
     if air is None or not one.effect.sensor_fault:
         return 0.0
     if one.effect.sensor_fault == AIR:
-        air = air + size * design.weight(one.change)
+        air = air + choice.scores[name].estimate[0] * design.weight(one.change)
     frost = np.fmin.reduceat(air, design.first) < 0.0
     if not frost.any():
         return 0.0
@@ -108,12 +108,12 @@ def by_snow(
     columns = [design.cells[:, 0], *map(design.values, every)]
     plain = LeastSquares(design.by_week(every), 1)
     other = LeastSquares(free.weekly_products(np.array(columns).T), 1)
-    (there,), (remains,) = plain.estimate, other.estimate
-    if other.weights.sum() <= SEEN * plain.weights.sum() or not there:
+    (size,), (remains,) = plain.estimate, other.estimate
+    if other.weights.sum() <= SEEN * plain.weights.sum() or not size:
         return EVEN
     variance = other.by_all_weeks()[0][0, 0]
-    width = float(np.hypot(np.sqrt(variance), law * there))
-    device, snow = density(remains - there, width), density(remains, width)
+    width = float(np.hypot(np.sqrt(variance), law * size))
+    device, snow = density(remains - size, width), density(remains, width)
     return EVEN * snow / (EVEN * snow + (1.0 - EVEN) * device)
 
 
@@ -150,8 +150,7 @@ def with_outside(
     for name, one in choice.members.items():
         weight = choice.weights[name] * times[name]
         odds, alike = prior_of(one.effect, criteria.outside_probability)
-        size = float(choice.scores[name].estimate[0])
-        icy = by_snow(design, one, size, given, criteria.law_error)
+        icy = by_snow(design, choice, name, given, criteria.law_error)
         own = design.fit_for([one.effect])
         within = tables.setdefault(own.daily_draws, WithinCells(own, given))
         sizes = remaining_shares(one, within)
