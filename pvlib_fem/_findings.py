@@ -289,9 +289,10 @@ class Finding:
         the error of its law and how it differs under other conditions.
     probabilities : dict
         Name to the probability that it is the cause; ``"outside"`` is a cause outside
-        the catalogue that follows the same inputs.
+        the catalogue that follows the same inputs. A change that only frosty days show
+        can be ``"snow"``, also if no column has it.
     members : dict of Member
-        Name to each other candidate of the catalogue.
+        Name to each other candidate of the catalogue that was fitted.
     """
 
     effect: str

@@ -63,11 +63,10 @@ def faults_to_correct(loop: Any, resolve: Any) -> list:
             faults.append(Fault(finding.effect, why=why))
         elif cause in (None, finding.effect):
             faults.append(Fault.from_finding(effects[finding.effect], finding))
-        elif member := finding.members.get(cause):
+        else:  # snow has no numbers where no column shows it
+            member = finding.members.get(cause, Member({}, {}, {}, {}))
             effect = find({"name": cause, **member.settings})
             faults.append(Fault.from_finding(effect, member))
-        else:
-            faults.append(Fault(cause, why="it is no fault of an instrument"))
     return faults
 
 

@@ -304,6 +304,18 @@ def test_a_cause_can_be_of_one_finding(ambiguous):
     }
 
 
+def test_snow_is_no_wrong_reading_also_if_no_column_shows_it(ambiguous):
+    data, loop = ambiguous
+    findings = [
+        replace(one, candidates=(*one.candidates, "snow")) if one.added else one
+        for one in loop.finding_objects
+    ]
+    snowy = replace(loop, finding_objects=findings)
+    resolved = snowy.corrected(data, "snow")
+    assert resolved.data[list(COLUMNS)].equals(data)
+    assert "no wrong reading of an instrument" in str(resolved)
+
+
 def test_only_one_candidate_of_a_finding_is_its_cause(ambiguous):
     data, loop = ambiguous
     with pytest.raises(ValueError, match="'rain', which is no candidate of an amb"):
