@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 LINES, WIDTH = 25, 100
 MOST_EFFECTS = 3
+FIRST = 3  # statements for which there is always room: longer ones are cut
 MORE = "loop.report() (--details) has every check, hint and note."
 
 
@@ -156,8 +157,12 @@ def steps(loop: "Loop") -> Iterator[str]:
 
 
 def findings(statements: list[Statement], room: int) -> list[str]:
-    """Numbered statements, as many as there is room for, and how many more."""
-    lines = []
+    """
+    Numbered statements, as many as there is room for, and how many more.
+
+    A long one is cut, its action first, so that it does not hide the next.
+    """
+    lines, most = [], max(room // FIRST, 1)
     for i, one in enumerate(statements):
         sizes = [f"{one.gain:.2f} K"] if np.isfinite(one.gain) else []
         if np.isfinite(one.energy):
@@ -167,10 +172,9 @@ def findings(statements: list[Statement], room: int) -> list[str]:
         action = f" → {one.action}." if one.action else ""
         words = f"{i + 1:>2}. {words}."
         block = wrapped_lines(words + action, "    ")
-        left = room - len(lines)
-        if len(block) > left and not i:  # the first is never left out
-            block = wrapped_lines(words, "    ", left)
-        if len(block) > left:
+        if len(block) > most:
+            block = wrapped_lines(words, "    ", most)
+        if len(block) > room - len(lines):
             rest = len(statements) - i
             more = f"{rest} more {'is' if rest == 1 else 'are'} in loop.statements."
             return [*lines, f"    {more}"]

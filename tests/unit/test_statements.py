@@ -330,16 +330,19 @@ def test_an_energy_is_shown_with_two_digits_and_no_exponent(energy, shown):
     assert f"[{shown} kWh/kWp a year]" in findings([statement], 9)[0]
 
 
-@pytest.mark.parametrize("room", [2, 4, 6, 8])
-def test_the_first_finding_is_shown_where_it_does_not_fit(room):
-    """Its action is omitted before its end is."""
+@pytest.mark.parametrize("room", [3, 6, 9, 12, 21])
+def test_three_long_findings_are_shown_where_they_do_not_fit(room):
+    """The action is omitted before the end is."""
     text, action = "The sensor reads less " * 20 + "or more", "a calibration " * 10
     one = Statement("snow", "model", "ambiguous", text, action=action)
-    lines = findings([one, one], room)
-    assert lines[0].startswith(" 1. The sensor reads less")
-    assert len(lines) == min(room, 5 if room < 7 else 7) + 1
+    lines = findings([one] * 4, room)
+    numbers = [line[:3] for line in lines if re.match(r" \d\. The sensor", line)]
+    assert numbers == [" 1.", " 2.", " 3."]
+    assert len(lines) == room + 1
     assert all(len(line) <= WIDTH for line in lines)
     assert lines[-1].strip() == "1 more is in loop.statements."
+    assert any(line.endswith(" ...") for line in lines) is (room < 15)
+    assert ("a calibration" in "".join(lines)) is (room == 21)
 
 
 def test_a_long_list_is_cut_with_the_number_of_the_rest(ambiguous):  # noqa: F811
