@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from study_gate import against, apart, gates, held, page
+from study_gate import FEWEST, against, apart, by_cause, gates, held, page
 from study_worlds import CLOSED, CLOSED_CAUSES, UNDECLARED
 
 from pvlib_fem._findings import OUTSIDE
@@ -49,6 +49,15 @@ def test_a_set_with_the_outside_is_right_where_the_cause_is_unknown(kind):
         "2 of 3 (66.7%)",
         False,
     )
+
+
+def test_each_cause_has_how_often_it_is_right():
+    """Those that are stated a few times have no row."""
+    false = [record(sets=[UNSURE], seed=i) for i in range(FEWEST)]
+    true = [record(sets=[UNSURE], truths=("snow",), seed=9)]
+    rows = [*by_cause(pd.DataFrame([*false, *true]), [])]
+    assert rows == [("`snow`", FEWEST + 1, "0.60", f"{1 / (FEWEST + 1):.2f}")]
+    assert not [*by_cause(pd.DataFrame(true), [])]
 
 
 def test_the_layer_below_the_ground_is_a_cause_of_its_own():
