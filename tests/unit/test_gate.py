@@ -52,7 +52,7 @@ def test_a_set_with_the_outside_is_right_where_the_cause_is_unknown(kind):
 
 
 def test_each_cause_has_how_often_it_is_right():
-    """Those that are stated a few times have no row."""
+    """A cause that is stated a few times has no row."""
     false = [record(sets=[UNSURE], seed=i) for i in range(FEWEST)]
     true = [record(sets=[UNSURE], truths=("snow",), seed=9)]
     rows = [*by_cause(pd.DataFrame([*false, *true]), [])]

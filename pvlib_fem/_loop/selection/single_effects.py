@@ -404,15 +404,16 @@ class Selection:
         """
         Factors of the estimate of a change and its variance by the laws of others.
 
-        The law of a fault has a relative error, and what it leaves has its dates. It
-        may look like another fault: it is a random effect along the column of the
-        change on those dates. ``noise`` is the variance of the estimate without it.
+        The law of a fault has a relative error. The error that remains has the dates of
+        the fault and may look like another one: it is a random effect along the column
+        of the change on those dates. ``noise`` is the variance of the estimate without
+        it.
         """
         error = (ONE_FAULT * self.criteria.law_error) ** 2
         laws = {
             Changed.from_effect(change.place, one.effect): error * square
             for one, square in self.squares(given).items()
-            if one.place != change.place
+            if one.place != change.place and square > 0.0
         }
         if not laws:
             return 1.0, 1.0
@@ -423,9 +424,9 @@ class Selection:
         prior = noise * np.diag(law) / np.fromiter(laws.values(), float)
         share = np.linalg.solve(law + np.diag(prior), own)
         square = beyond[-1, -1] - share @ own
-        score = beyond[0, -1] - share @ beyond[0, 1:-1]
-        more = beyond[-1, -1] / square
-        return float(more * score / beyond[0, -1]), float(more)
+        score, more = beyond[0, 1:-1] @ share, beyond[-1, -1] / square
+        part = 1.0 - score / beyond[0, -1] if beyond[0, -1] else 1.0
+        return float(more * part), float(more)
 
     def squares(self, given: Sequence[Column]) -> dict[Changed, float]:
         """Sum of squares that each change among some columns explains."""
