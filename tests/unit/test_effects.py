@@ -918,7 +918,7 @@ def test_a_scan_counts_a_shape_as_nothing_where_its_driver_is_missing():
     winter[:20] = np.nan
     evidence = Evidence(
         {"base": base, "season.winter": winter},
-        *(rest, rows // 10, rows, ("base",), ()),
+        *(rest, rest, rows // 10, rows, ("base",), ()),
         own={"season": ("season.winter",)},
         effects={"season": EFFECTS["season"]},
     )
@@ -932,6 +932,26 @@ def test_a_scan_counts_a_shape_as_nothing_where_its_driver_is_missing():
     assert all(np.isfinite(column).all() for column in seen.values())
     np.testing.assert_array_equal(seen["own"], own)
     assert (seen["season.winter"][:20] == 0.0).all()
+
+
+@pytest.mark.parametrize("driver, searched", [("solar_zenith", 0), ("rain", 1)])
+def test_an_effect_of_a_measured_driver_is_searched_in_what_changes_explain(
+    driver, searched
+):
+    """A trend that is in the model may be dirt since the last rain."""
+    random, rows = np.random.default_rng(1), np.arange(200)
+    base, own, *both = random.normal(size=(4, len(rows)))
+    evidence = Evidence({"base": base}, *both, rows // 10, rows, ("base",), ())
+    seen = {}
+
+    def scan(rest, *others):
+        seen["rest"] = rest
+
+    known, inputs = np.ones(len(rows), dtype=bool), {driver: rows}
+    located_effect(evidence, scan, {"own": own}, known, inputs, (driver,), 0.0)
+    rest = both[searched]
+    expected = rest - base * (base @ rest) / (base @ base)
+    np.testing.assert_allclose(seen["rest"], expected, rtol=1e-6, atol=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from pvlib_fem._relaxation import FADED, relax
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem._statistics.weekly_sums import least_squares_coefficients
 from pvlib_fem._thermal.model import ThermalModel
-from pvlib_fem.drivers import derive_drivers, needed_for
+from pvlib_fem.drivers import derive_drivers, needed_for, own_columns
 from pvlib_fem.effects._effect import Effect, Terms, linearised
 from pvlib_fem.effects._time_profiles import scaled_terms, weights_of
 from pvlib_fem.reasons import Because, Reason, because
@@ -33,6 +33,8 @@ class Evidence:
     #: driver of an effect is missing [K per unit of the coefficient]
     columns: dict[str, np.ndarray] = field(repr=False)
     residual: np.ndarray = field(repr=False)  # measured minus modelled on ``rows`` [K]
+    #: the same with what the model's changes of sensors and mounting explain [K]
+    with_changes: np.ndarray = field(repr=False)
     dates: np.ndarray = field(repr=False)  # day of each of the rows, from 1970-01-01
     rows: np.ndarray = field(repr=False)  # of the record that count
     base: tuple[str, ...]  # the fitted coefficients
@@ -65,12 +67,17 @@ class Evidence:
 
     @cached_property
     def without_shape(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-        """Remaining error given all functions of the usual inputs, and those."""
+        """
+        Both residuals given all functions of the usual inputs, and those.
+
+        The first is that of the model, the second has what changes explain.
+        """
         shapes = [n for n, effect in self.effects.items() if effect.confounder]
         names = [*self.base, *self.misfits, *(c for n in shapes for c in self.own[n])]
         table = np.column_stack([np.nan_to_num(self.columns[n]) for n in names])
-        sizes = least_squares_coefficients(table, self.residual[:, None])[:, 0]
-        return self.residual - table @ sizes, {n: self.columns[n] for n in names}
+        both = np.column_stack([self.residual, self.with_changes])
+        both = both - table @ least_squares_coefficients(table, both)
+        return both.T, {n: self.columns[n] for n in names}
 
 
 def unknown_columns(
@@ -146,6 +153,7 @@ def gather_evidence(
     evidence = Evidence(
         columns,
         residual,
+        (record["temp_module"] - before)[rows],
         record.dates[rows],
         rows,
         tuple(base),
@@ -366,12 +374,19 @@ def located_effect(
     own: dict[str, np.ndarray],
     known: np.ndarray,
     inputs: Inputs,
-    drivers: Iterable[str],
+    drivers: Sequence[str],
     least: float,
 ) -> Effect | None:
-    """The effect where a scan of the remaining error shows it, or None."""
+    """
+    The effect where a scan of the remaining error shows it, or None.
+
+    A change that is in the model may stand for an effect with a driver of its own, such
+    as a trend for dirt since the last rain. So this is searched in both together.
+    """
     places = {name: inputs[name][evidence.rows[known]] for name in drivers}
-    rest, shapes = evidence.without_shape
+    (rest, with_changes), shapes = evidence.without_shape
+    if own_columns(drivers):
+        rest = with_changes
     # of a shape whose driver is missing, as in the residual
     columns = {key: np.nan_to_num(c[known]) for key, c in (own | shapes).items()}
     weeks = calendar_weeks(evidence.dates[known])
