@@ -100,7 +100,7 @@ class Criteria:
     prior_odds: float = 0.025
     outside_probability: float = 0.07
     law_error: float = 0.22
-    shape_error: float = 0.39
+    shape_error: float = 0.33
 
     min_days_each_side: int = 21
     max_episode_chance: float = 0.01

@@ -287,9 +287,12 @@ def residual_squares(whole: np.ndarray) -> Squares:
     return whole[..., 0, 0] - np.einsum("...i,...i->...", sizes, whole[..., 1:, 0])
 
 
-def explainable_share(whole: np.ndarray, size: int, rival: int) -> Squares:
+def common_share(whole: np.ndarray, size: int, rival: int) -> Squares:
     """
-    Share of the contribution of some columns that the last columns can explain.
+    Share of what some columns explain that the last columns explain as well.
+
+    The rest of it is what these columns still explain given the last ones
+    (commonality analysis).
 
     Parameters
     ----------
@@ -301,14 +304,13 @@ def explainable_share(whole: np.ndarray, size: int, rival: int) -> Squares:
     Returns
     -------
     float, or array of one value for each matrix
+        From 0 to 1.
     """
-    beyond = given_first(whole, whole.shape[-1] - 1 - size - rival)
-    scores, beyond = beyond[..., 1:, 0], beyond[..., 1:, 1:]
-    mine, theirs = beyond[..., :size, :size], beyond[..., size:, size:]
-    sizes = np.linalg.solve(mine, scores[..., :size, None])
-    seen = beyond[..., size:, :size] @ sizes
-    explained = (seen * np.linalg.solve(theirs, seen)).sum(axis=(-2, -1))
-    return explained / np.maximum((sizes * (mine @ sizes)).sum(axis=(-2, -1)), 1e-300)
+    end = whole.shape[-1] - rival
+    theirs = [*range(end - size), *range(end, end + rival), *range(end - size, end)]
+    alone = fall_of_squares(whole[..., :end, :end], size)
+    given_theirs = fall_of_squares(whole[..., theirs, :][..., theirs], size)
+    return np.clip(1.0 - given_theirs / np.maximum(alone, 1e-300), 0.0, 1.0)
 
 
 def held_out(weekly: np.ndarray, folds: np.ndarray) -> float:

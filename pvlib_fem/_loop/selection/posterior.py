@@ -11,7 +11,7 @@ from pvlib_fem._loop.regression.design import Column, Design, place_of
 from pvlib_fem._loop.selection.change_sums import dates_cost
 from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,
-    explainable_share,
+    common_share,
     fall_of_squares,
     given_first,
 )
@@ -33,9 +33,9 @@ def posterior(
     """
     Posterior among members of one single effect, averaged over draws of weeks.
 
-    Each explains some of what the best one explains. The difference is compared with
-    the error of the laws: an exact likelihood of so many rows would be sure of a law
-    that is not exact (Huggins and Miller, 2023).
+    What the best one still explains given another is compared with the error of the
+    laws: an exact likelihood of so many rows would be sure of a law that is not exact
+    (Huggins and Miller, 2023).
 
     Parameters
     ----------
@@ -66,13 +66,11 @@ def posterior(
     parts = [drawn_part(design, one, given, draws) for one in members.values()]
     parts = np.maximum(np.array(parts), 0.0)
     most = np.maximum(parts[[*members].index(top.name)], 1e-12)
-    shared = np.minimum(parts, most)
-    mine = top.beyond(given)
+    common, mine = np.empty_like(parts), top.beyond(given)
     for i, one in enumerate(members.values()):
         rival = one.beyond(given)
         wholes = sums_of_draws(design.by_week([*given, *mine, *rival]), draws)
-        share = explainable_share(wholes, len(mine), len(rival))
-        shared[i] = np.minimum(shared[i], share * most)
+        common[i] = common_share(wholes, len(mine), len(rival))
     shapes = any(one.effect.confounder for one in members.values())
     law = (criteria.shape_error if shapes else criteria.law_error) ** 2
     # time profiles of one fault differ by no error of its law
@@ -86,8 +84,7 @@ def posterior(
         within -= costs[same]
         within -= within.max(axis=0)
         within -= np.log(np.exp(within).sum(axis=0))
-        best = shared[same].max(axis=0)
-        logs[same] = within - 0.5 * (most - best) / (law * most)
+        logs[same] = within - 0.5 * (1.0 - common[same].max(axis=0)) / law
     logs += np.array([[one.log_prior] for one in members.values()])
     # faults of one law share its prior
     places = [place_of(one.columns[0]) for one in members.values()]

@@ -21,7 +21,7 @@ from pvlib_fem._statistics.extremes import ALIKE, largest_first
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,
-    explainable_share,
+    common_share,
     given_first,
     held_out,
     with_ridge,
@@ -343,10 +343,10 @@ class Selection:
         return falls / design.count
 
     def alike(self, one: Candidate, other: Candidate, given: Sequence[Column]) -> float:
-        """Share of the part of a candidate that another would explain as well."""
+        """Share of what a candidate explains that another explains as well."""
         own, rival = one.beyond(given), other.beyond(given)
         whole = self.design.whole([*given, *own, *rival])
-        return float(explainable_share(whole, len(own), len(rival)))
+        return float(common_share(whole, len(own), len(rival)))
 
     def score(self, one: Candidate, given: Sequence[Column]) -> Score:
         """What a candidate explains given some columns."""
