@@ -960,6 +960,31 @@ def test_a_rival_that_is_the_truth_leaves_the_accident_to_the_best_candidate():
     assert (truth @ best) ** 2 / (best @ best) < expected - 0.2
 
 
+def test_an_obstacle_counts_for_what_no_function_of_the_usual_inputs_explains():
+    """Some window of the sky looks much like the angle of incidence."""
+    random, (days, hours) = np.random.default_rng(0), clock(200)
+    angle, edge, rest = random.normal(size=(3, len(days)))
+    window = 0.8 * angle + 0.6 * edge
+
+    def gains(truth):
+        """Mean square that an obstacle, and a film of rain, explain. [K²]"""
+        columns = {"one": np.ones(len(days)), "incidence_angle.b0": angle}
+        columns |= {"shading.share": window, "rain.film": window}
+        own = "incidence_angle", "shading", "rain"
+        selection = Selection(
+            design(rest + truth, columns, days, hours, own=own), CRITERIA
+        )
+        base = [*selection.design.base]
+        found = {one.name: one for one in selection.candidates(base)}
+        return {name: selection.score(found[name], base).fall for name in own[1:]}
+
+    by_angle, by_obstacle = gains(0.5 * angle), gains(0.5 * window)
+    assert by_angle["rain"] == pytest.approx((0.8 * 0.5) ** 2, rel=0.2)
+    assert by_angle["shading"] < 0.05 * by_angle["rain"]
+    assert by_obstacle["rain"] == pytest.approx(0.5**2, rel=0.2)
+    assert by_obstacle["shading"] == pytest.approx((0.6 * 0.5) ** 2, rel=0.3)
+
+
 def test_a_law_that_is_not_exact_keeps_its_size_where_it_changes():
     """
     A drift, whose mean of each month is in a table, is seen within the months.

@@ -255,6 +255,15 @@ class Design:
         """Ways to sort the cells, by name."""
         return {axis.name: axis for axis in axes(self.places, self.days)}
 
+    def confounders_beyond(self, given: Collection[Column]) -> list[Column]:
+        """Columns of the confounders of the catalogue that are not given."""
+        return [
+            column
+            for name, columns in self.own.items()
+            for column in columns
+            if self.effects[name].confounder and column not in given
+        ]
+
     def residual_given(self, columns: Sequence[Column]) -> np.ndarray:
         """Residual of a fit of some columns, by cell. [K]"""
         table = np.array([self.values(c) for c in columns])

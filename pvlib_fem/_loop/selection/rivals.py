@@ -103,16 +103,10 @@ def confounded(
     and light from it differ before and after a date, as they do with the season.
     """
     design = selection.design
-    further = [
-        column
-        for name, columns in design.own.items()
-        for column in columns
-        if design.effects[name].confounder and column not in given
-    ]
     found = {}
     for name, one in choice.members.items():
         if one.effect.sensor_fault:
-            columns = [*given, *further, one.change]
+            columns = [*given, *design.confounders_beyond(given), one.change]
             fit = LeastSquares(design.by_week(columns), 1)
             (scale,) = design.scales([one.change])
             shift = fit.estimate[0] / scale - choice.scores[name].estimate[0]

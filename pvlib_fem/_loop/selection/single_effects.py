@@ -26,6 +26,7 @@ from pvlib_fem._statistics.weekly_sums import (
     held_out,
     with_ridge,
 )
+from pvlib_fem.drivers import own_columns
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import is_dated
 
@@ -356,8 +357,6 @@ class Selection:
         design, own = self.design.fit_for([one.effect]), one.beyond(given)
         weekly = design.by_week([*given, *own])
         size = len(own)
-        inner = weekly[:, :-size, :-size]
-        gain = held_out(inner, design.folds) - held_out(weekly, design.folds)
         plain, scale = LeastSquares(weekly, size), design.scales(own)
         unit = np.outer(scale, scale)
         estimate, covariance = plain.estimate / scale, plain.covariance / unit
@@ -376,7 +375,7 @@ class Selection:
         rows, null = one.rows(design), more * null / unit
         seen = part * whitened.estimate / scale
         fits = within_bounds(rows.values(), estimate, np.sqrt(np.diag(covariance)))
-        gain, acting = gain / design.count, self.acting(one)
+        gain, acting = self.gain(one, given), self.acting(one)
         shown = beside = 0.0
         if fits and gain > 0.0:
             shown, beside = self.shown_with(one, given)
@@ -397,6 +396,22 @@ class Selection:
             shown,
         )
         return self.scores[key]
+
+    def gain(self, one: Candidate, given: Sequence[Column]) -> float:
+        """
+        Fall of the mean square on weeks left out in turn, by a candidate. [K²]
+
+        What follows the sun alone, such as an obstacle, is searched for given all
+        functions of the usual inputs, and also counts given them: an angle of incidence
+        looks much like some window of the sky.
+        """
+        design, own = self.design.fit_for([one.effect]), one.beyond(given)
+        if follows_sun_alone(one.effect):
+            given = [*given, *design.confounders_beyond(given)]
+        weekly = design.by_week([*given, *own])
+        inner = weekly[:, : -len(own), : -len(own)]
+        fall = held_out(inner, design.folds) - held_out(weekly, design.folds)
+        return fall / design.count
 
     def given_laws(
         self, change: Changed, given: Sequence[Column], noise: float
@@ -505,3 +520,9 @@ def worth_share(one: Candidate, sure: float) -> float:
     """
     cost = dates_cost(one.dates, sure)
     return 1.0 - 2.0 * cost / max(sure, 1e-12) ** 2
+
+
+def follows_sun_alone(effect: Effect) -> bool:
+    """Whether an effect has neither dates nor a measured driver of its own."""
+    own = effect.column or effect.confounder or own_columns(effect.drivers)
+    return not own and not is_dated(effect)
