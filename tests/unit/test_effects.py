@@ -8,8 +8,10 @@ import numpy as np
 import pandas as pd
 import pvlib
 import pytest
+import study_worlds
 from conftest import COLUMNS, DRIVERS
 from hypothesis import given, strategies as st
+from study_records import seen
 
 import pvlib_fem as fem
 from pvlib_fem._loop.regression.tangents import Evidence, located_effect
@@ -910,6 +912,20 @@ def test_the_record_decides_which_rain_cleans(plant, noise, rain):
     assert np.mean(clean[0] == clean[1]) > 0.95
     found = loop.fit.coefficients["soiling.per_day"]
     assert found == pytest.approx(-0.005, rel=0.1)
+
+
+def test_dirt_on_the_sensor_is_no_trend_of_it(monkeypatch):
+    """In a dry season of two months a trend explains as much, and comes first."""
+    monkeypatch.setattr(study_worlds, "SHIFT", 19310000)
+    worlds = dict(study_worlds.FAMILIES["one effect"]())
+    (world,) = (one for one in worlds if one.seed == 19313206)
+    (case,) = (c for c in worlds[world] if c.label == "soiling_sensor×0.5")
+    span = world.days, world.step, world.seed, world.start
+    (data,) = fem.simulator.records(world.site, [case.on], *span)
+    loop = fem.close_loop(seen(data, case, world.site.forms), **world.place)
+    first = loop.finding_objects[0]
+    assert first.effect == "soiling"
+    assert not any("drift" in f.effect for f in loop.finding_objects if f.added)
 
 
 def test_a_scan_counts_a_shape_as_nothing_where_its_driver_is_missing():
