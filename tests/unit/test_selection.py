@@ -207,7 +207,7 @@ def test_the_more_a_change_could_be_the_less_it_is_believed():
     assert odds(0.04, log_dates=np.log(300.0)) < odds(0.04)
 
 
-def test_furtheris_rarely_taken_for_an_effect():
+def test_noise_is_rarely_taken_for_an_effect():
     """A hundred years of noise with a memory of ten hours, and all changes."""
     found = []
     for seed in range(100):
@@ -507,7 +507,7 @@ def test_resets_are_found_and_a_trend_without_any_has_none():
         assert all(abs(a - b) <= 10 for a, b in zip(span.resets, at))
 
 
-def test_furtherthat_remembers_weeks_is_no_pair_of_changes():
+def test_noise_that_remembers_weeks_is_no_pair_of_changes():
     random, (days, hours) = np.random.default_rng(10), clock(500)
     for memory in np.linspace(0.3, 0.9, 12):
         weekly = np.random.default_rng(int(1e3 * memory)).normal(size=80)
@@ -633,7 +633,7 @@ def test_the_days_of_a_standstill_have_no_residual_of_their_own(unlike):
 
 
 @pytest.mark.parametrize("treated", [3, 6, 50])
-def test_few_weeks_of_a_change_have_the_furtherof_all_weeks(treated):
+def test_few_weeks_of_a_change_have_the_noise_of_all_weeks(treated):
     """A hundred weeks of noise; its variance is known, and their own is a poor one."""
     own, both = [], []
     for seed in range(200):
@@ -655,7 +655,7 @@ def test_few_weeks_of_a_change_have_the_furtherof_all_weeks(treated):
     assert np.std(both) < (0.6 if treated < 10 else 1.0) * np.std(own)
 
 
-def test_furtherthat_lasts_for_weeks_makes_a_change_less_sure():
+def test_noise_that_lasts_for_weeks_makes_a_change_less_sure():
     random, weeks, rows = np.random.default_rng(0), 100, 20
     slow = noise(random, weeks, 0.6)
     column = np.repeat(np.arange(weeks) < 6, rows).astype(float)
@@ -669,7 +669,7 @@ def test_furtherthat_lasts_for_weeks_makes_a_change_less_sure():
     assert sizes[0] > 1.5 * sizes[1]
 
 
-def test_the_placebo_of_white_furtheris_its_textbook_error():
+def test_the_placebo_of_white_noise_is_its_textbook_error():
     random, (days, hours) = np.random.default_rng(4), clock(400)
     own, rest = random.normal(size=(2, len(days)))
     made = design(rest, {"rain.film": own}, days, hours, own=["rain"])
