@@ -375,7 +375,7 @@ class Selection:
         rows, null = one.rows(design), more * null / unit
         seen = part * whitened.estimate / scale
         fits = within_bounds(rows.values(), estimate, np.sqrt(np.diag(covariance)))
-        gain, acting = self.gain(one, given), self.acting(one)
+        gain, acting = self.gain(one, given, weekly), self.acting(one)
         shown = beside = 0.0
         if fits and gain > 0.0:
             shown, beside = self.shown_with(one, given)
@@ -397,18 +397,21 @@ class Selection:
         )
         return self.scores[key]
 
-    def gain(self, one: Candidate, given: Sequence[Column]) -> float:
+    def gain(
+        self, one: Candidate, given: Sequence[Column], weekly: np.ndarray
+    ) -> float:
         """
         Fall of the mean square on weeks left out in turn, by a candidate. [K²]
 
         What follows the sun alone, such as an obstacle, is searched for given all
         functions of the usual inputs, and also counts given them: an angle of incidence
-        looks much like some window of the sky.
+        looks much like some window of the sky. ``weekly`` has the products of the
+        given columns and its own.
         """
         design, own = self.design.fit_for([one.effect]), one.beyond(given)
         if follows_sun_alone(one.effect):
-            given = [*given, *design.confounders_beyond(given)]
-        weekly = design.by_week([*given, *own])
+            shapes = design.confounders_beyond(given)
+            weekly = design.by_week([*given, *shapes, *own])
         inner = weekly[:, : -len(own), : -len(own)]
         fall = held_out(inner, design.folds) - held_out(weekly, design.folds)
         return fall / design.count
