@@ -10,6 +10,7 @@ import argparse
 import sys
 import time
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -175,27 +176,43 @@ def record_page(name, usual, *draws):
         yield ""
 
 
+def same_in(draws, finding):
+    """
+    What draws say of a finding: the same name, or the same candidates.
+
+    Of candidates that are as probable, any may be the first.
+    """
+    effect, _, candidates, *_ = finding
+    for one in draws:
+        alike = (f for f in one.findings if f[0] == effect or f[2] == candidates)
+        yield from islice(alike, 1)
+
+
 def by_finding(usual, draws):
     """How often each finding comes back, with which verdict and candidates."""
     yield "| finding | in the model | same verdict | same candidates | always in it |"
     yield "|---|---|---|---|---|"
-    for effect in sorted({f[0] for one in (usual, *draws) for f in one.findings}):
-        theirs = [f for one in draws for f in one.findings if f[0] == effect]
-        mine = next((f for f in usual.findings if f[0] == effect), None)
+    every = [*usual.findings]
+    for finding in (f for one in draws for f in one.findings):
+        if not any(f[0] == finding[0] or f[2] == finding[2] for f in every):
+            every.append(finding)
+    for finding in sorted(every, key=lambda f: f[0]):
+        theirs = [*same_in(draws, finding)]
         verdict = candidates = "–"
-        if mine is not None:
-            verdict = sum(f[1] == mine[1] for f in theirs)
-            candidates = sum(f[2] == mine[2] for f in theirs)
+        if finding in usual.findings:
+            verdict = sum(f[1] == finding[1] for f in theirs)
+            candidates = sum(f[2] == finding[2] for f in theirs)
         common = frozenset.intersection(*(f[2] for f in theirs)) if theirs else ()
         words = ", ".join(f"`{one}`" for one in sorted(common))
-        yield f"| `{effect}` | {len(theirs)} | {verdict} | {candidates} | {words} |"
+        yield f"| `{finding[0]}` | {len(theirs)} | {verdict} | {candidates} | {words} |"
     yield ""
 
 
 def by_date(usual, draws):
     """Whether the dates of steps are within each other's intervals."""
-    for effect, *_, date_, between in (f for f in usual.findings if f[4]):
-        theirs = [f for one in draws for f in one.findings if f[0] == effect]
+    for finding in (f for f in usual.findings if f[4]):
+        effect, *_, date_, between = finding
+        theirs = [*same_in(draws, finding)]
         dates = sorted(f[3] for f in theirs)
         held = sum(f[4][0] <= date_ <= f[4][1] for f in theirs)
         yield (
