@@ -23,7 +23,7 @@ class Verdict(StrEnum):
 
 
 OUTSIDE = "outside"  # among probabilities: none of the catalogue
-SNOW = "snow"  # among them, if a change is there on days with frost alone
+SNOW = "snow"  # among them, if a change is there only while snow can lie
 OUTSIDE_WORDS = "a cause outside the catalogue"
 LEAST = 0.01  # probability that is reported
 CORRECTED = "clock corrected"  # row of a table of errors

@@ -80,7 +80,7 @@ class Reason(Enum):
         "cause outside the catalogue is more probable ({chance:.0%})"
     )
     SNOW = (
-        "only days with frost, and the week after, show it, so that snow or ice is as "
+        "only hours in which snow can lie show it, so that snow or ice is as "
         "probable ({chance:.0%})"
     )
     LESS_ON_OWN_STEPS = (

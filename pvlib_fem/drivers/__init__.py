@@ -20,5 +20,6 @@ from pvlib_fem.drivers._derived import (  # noqa: F401  for other packages
 )
 from pvlib_fem.drivers._mounts import checked_place, geometry  # noqa: F401
 from pvlib_fem.drivers._solar import standard_time, sun  # noqa: F401
+from pvlib_fem.drivers._water import FROST, snow_at_most  # noqa: F401
 
 __all__ = ["sun"]

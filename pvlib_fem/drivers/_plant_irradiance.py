@@ -8,15 +8,13 @@ import pandas as pd
 from pvlib_fem._record.column_names import kind_of_power, known_values
 from pvlib_fem._record.inputs import Inputs
 from pvlib_fem.drivers._lagged_inputs import times_on_own_clock
+from pvlib_fem.drivers._water import FROST
 from pvlib_fem.power import PowerRelation, days_of, fit_power_arrays
 
 LEAST = 50.0  # W/m², least irradiance for a comparison with power
 NONE = 0.02  # of the usual power per irradiance; less counts as no power
 MISSING = 0.15  # of irradiance; a larger difference from power is significant
 SPREADS = 4.0  # of the relation; a larger difference is as rare as 6 in 100,000
-#: °C, below which precipitation may be snow: 95 % of stations have equal parts of rain
-#: and snow below it (Jennings et al., 2018, doi:10.1038/s41467-018-03629-7)
-FROST = 2.4
 THAW = 10.0  # °C, air temperature at which no snow stays on a module in daytime
 BEFORE = "24h"  # time before an hour in which frost counts
 PAUSE = 3.0 * 86400.0  # s without light or values that end a stretch

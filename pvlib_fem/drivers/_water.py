@@ -1,5 +1,7 @@
 """Rain, the water film, soiling, and snow."""
 
+from itertools import accumulate
+
 import numpy as np
 
 from pvlib_fem._record.inputs import Inputs
@@ -12,6 +14,14 @@ LATENT = 0.6
 NEWTON = 6  # steps, to an error far below a thousandth: the balance is convex
 DAY = 86400.0  # s
 SOAKED = 5.0  # the module is fully wet if the smoothed rain times this exceeds 1
+#: °C, below which precipitation may be snow: 95 % of stations have equal parts of rain
+#: and snow below it (Jennings et al., 2018, doi:10.1038/s41467-018-03629-7)
+FROST = 2.4
+SNOWFALL = 1.0  # mm/h of water, of an hour with steady snow: 1 cm of fresh snow
+#: mm of water per K and day, which melt above 0 °C; 2.5 to 5.5 are usual (Hock, 2003,
+#: doi:10.1016/S0022-1694(03)00257-9)
+MELTS = 4.0
+DEEP = 60.0  # mm of water, of 60 cm of fresh snow
 
 
 def saturation(celsius: np.ndarray) -> np.ndarray:
@@ -293,3 +303,42 @@ def snow_left(
 def may_slide(temp_air: np.ndarray, poa_global: np.ndarray) -> np.ndarray:
     """Whether snow can slide off a module at this air temperature and irradiance."""
     return temp_air > poa_global / -80.0
+
+
+def snow_at_most(temp_air: np.ndarray, hours: np.ndarray) -> np.ndarray:
+    """
+    Snow that can lie on modules, sensors and ground, as far as the air tells. [mm]
+
+    It snows in every hour below 2.4 °C, and in each without a value, up to a depth of
+    60 cm; and what lies melts by degree-days [1]_. Where the result is 0, no snow lies.
+
+    Parameters
+    ----------
+    temp_air : array, shape (rows,)
+        Hourly means. [°C]
+    hours : array of int, shape (rows,)
+        Time of each, increasing. [h]
+
+    Returns
+    -------
+    array, shape (rows,)
+        Water of it at the end of each hour. Before the first, as much as can lie.
+
+    References
+    ----------
+    .. [1] R. Hock, "Temperature index melt modelling in mountain areas", Journal of
+       Hydrology 282, 104 (2003), :doi:`10.1016/S0022-1694(03)00257-9`.
+    """
+    unknown = np.isnan(temp_air)
+    known = np.where(unknown, 0.0, temp_air)
+    change = SNOWFALL * (unknown | (known < FROST))
+    change -= MELTS * np.maximum(known, 0.0) / 24.0
+    missing = SNOWFALL * (np.diff(hours, prepend=hours[:1] - 1) - 1)
+
+    def after(depth: float, fallen: tuple[float, float]) -> float:
+        before, now = fallen
+        return max(min(depth + before, DEEP) + now, 0.0)
+
+    fallen = zip(missing.tolist(), change.tolist(), strict=True)
+    lying = np.fromiter(accumulate(fallen, after, initial=DEEP), float)[1:]
+    return np.minimum(lying, DEEP)

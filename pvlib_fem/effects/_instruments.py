@@ -180,6 +180,9 @@ STATION = (
 #: sensor faults whose constant part no coefficient of a steady model can absorb
 OF_NO_COEFFICIENT = ("anemometer_stall", "air_sensor_shield")
 
+#: sensor faults that are the same at all hours and in any weather
+OFFSETS = ("air_offset", "module_offset")
+
 #: bounds of both faults that have the terms of more light: one of them is searched for
 MORE_LIGHT = Parameter(0.0, -0.5, 1.0, "-")
 

@@ -19,6 +19,7 @@ from pvlib_fem.drivers import (
     constants,
     derive_drivers,
     needed_for,
+    snow_at_most,
     sun,
 )
 from pvlib_fem.effects import PHYSICS as EFFECTS
@@ -215,6 +216,35 @@ def test_clouds_of_the_day_last_through_the_night():
     np.testing.assert_allclose(share[night], share[night[0]], atol=2e-3)
     # the sun of evening brings 0.68 when clear; of that 0.3 is 0.44, and 0.25 is all
     assert share[night[0]] == pytest.approx((1 - 0.44) / 0.75, abs=0.03)
+
+
+@pytest.mark.parametrize("celsius", [3.0, 8.0, 25.0])
+def test_snow_melts_by_degree_days(celsius):
+    """A depth of 60 mm lasts 15 K d at 4 mm per K and day."""
+    hours = np.arange(240)
+    lying = snow_at_most(np.full(240, celsius), hours)
+    np.testing.assert_allclose(lying, np.maximum(60 - celsius * (hours + 1) / 6, 0))
+
+
+def test_snow_of_a_night_does_not_outlast_a_mild_day():
+    """Nights of eight hours at -1 °C have up to 8 mm, and days of 8 °C melt 21 mm."""
+    hours = np.arange(24 * 30)
+    lying = snow_at_most(np.where(hours % 24 < 8, -1.0, 8.0), hours)[240:]
+    assert lying.max() == 8.0
+    assert (lying.reshape(-1, 24)[:, 14:] == 0.0).all()
+    assert (snow_at_most(np.full(720, -1.0), hours) == 60.0).all()
+
+
+def test_snow_may_have_fallen_in_hours_without_air_temperature():
+    hours, air = np.arange(240), np.full(240, 10.0)
+    air[100:110] = np.nan
+    gap = np.isfinite(air)
+    assert snow_at_most(air, hours)[99] == 0.0
+    assert snow_at_most(air, hours)[109] == 10.0
+    # a row that is missing is as an hour without a value
+    np.testing.assert_allclose(
+        snow_at_most(air[gap], hours[gap]), snow_at_most(air, hours)[gap]
+    )
 
 
 def test_snow_lies_from_its_fall_until_it_slides():

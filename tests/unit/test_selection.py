@@ -1160,6 +1160,8 @@ def probabilities_of(residual, effect, air):
     rest = residual + noise(np.random.default_rng(5), len(days))
     columns = {"one": np.ones(len(days))}
     made = design(rest, columns, days, hours, [CHANGES[effect]], temp_air=air)
+    if effect.startswith("module_sensor_contact"):
+        made.scale[1:] = 20.0  # K over the air, of which it is a share
     selection = Selection(made, CRITERIA)
     best = weighed(selection, selection.best([]), [])
     assert best.top.name == effect
@@ -1167,15 +1169,19 @@ def probabilities_of(residual, effect, air):
 
 
 @pytest.mark.parametrize("coldest", [-4.0, 4.0])
-def test_a_change_of_frosty_days_alone_is_as_probably_snow(coldest):
-    """Snow and ice cover modules and sensors, for as long as it freezes."""
+@pytest.mark.parametrize(
+    ("effect", "probable"),
+    [("module_sensor_contact_episode", 0.5), ("module_offset_episode", 1 / 11)],
+)
+def test_a_change_while_snow_can_lie_is_as_probably_snow(coldest, effect, probable):
+    """Snow covers modules and sensors until it melts, and is seldom an offset."""
     days, hours = clock(365)
-    winter, effect = (days >= 100) & (days < 160), "module_offset_episode"
+    winter = (days >= 100) & (days < 160)
     air = np.where(winter, coldest, 15.0) + 3.0 * (hours > 9)
     found = probabilities_of(2.0 * winter, effect, air)
     if coldest < 0.0:
-        assert found[SNOW] == pytest.approx(0.5, abs=0.02)
-        assert found[effect] < 0.5
+        assert found[SNOW] == pytest.approx(probable, abs=0.02)
+        assert found[effect] < CRITERIA.min_probability
     else:
         assert SNOW not in found
         assert found[effect] >= CRITERIA.min_probability
@@ -1184,7 +1190,7 @@ def test_a_change_of_frosty_days_alone_is_as_probably_snow(coldest):
 @pytest.mark.parametrize(("at", "snow"), [(60, True), (200, False)])
 def test_a_step_is_snow_only_if_it_is_none_without_the_frosty_days(at, snow):
     """A step at the end of a frosty winter is a temporary change until then."""
-    (days, hours), effect = clock(365), "module_offset_step"
+    (days, hours), effect = clock(365), "module_sensor_contact_step"
     air = np.where(days < 60, -4.0, 15.0) + 3.0 * (hours > 9)
     found = probabilities_of(2.0 * (days >= at), effect, air)
     if snow:
@@ -1192,6 +1198,15 @@ def test_a_step_is_snow_only_if_it_is_none_without_the_frosty_days(at, snow):
     else:
         assert found[SNOW] < 0.001
         assert found[effect] >= CRITERIA.min_probability
+
+
+def test_a_step_after_a_winter_with_thaws_is_no_snow():
+    """What nights of frost bring melts by day, and the change is there by day, too."""
+    (days, hours), effect = clock(365), "module_sensor_contact_step"
+    air = np.where(days < 60, np.where(hours < 8, -3.0, 8.0), 15.0)
+    found = probabilities_of(2.0 * (days >= 60), effect, air)
+    assert found[SNOW] < 0.001
+    assert found[effect] >= CRITERIA.min_probability
 
 
 @pytest.mark.parametrize(

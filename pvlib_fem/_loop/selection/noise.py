@@ -23,9 +23,9 @@ from pvlib_fem._statistics.tables import (
     largest_table,
 )
 from pvlib_fem._statistics.weekly_sums import LeastSquares
-from pvlib_fem.drivers import needed_for, own_columns
+from pvlib_fem.drivers import FROST, needed_for, own_columns, snow_at_most
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.effects._instruments import OF_NO_COEFFICIENT
+from pvlib_fem.effects._instruments import OF_NO_COEFFICIENT, OFFSETS
 from pvlib_fem.effects._time_profiles import weights_of
 
 if TYPE_CHECKING:
@@ -50,15 +50,14 @@ PAIRS = (
     ("solar_azimuth", "solar_zenith"),
 )
 MOST_TABLES = 3  # of random effects
-ALIKE = 0.1  # of unknown causes that follow a driver, as alike as its effect
+ALIKE = 0.1  # of other causes, as alike as an effect whose law they would break
 #: probability that the modules have more light by a reflection, not the sensor less by
 #: shade; below a half, since its law is the same, so that a model with it is right in
 #: either case
 REFLECTED = 0.45
 AIR = "air_offset"  # of the thermometer that shows the frost
-THAW = 7  # days after frost on which snow can still lie
 SEEN = 1e-4  # of a column's square: with less of it nothing is seen
-EVEN = 0.5  # probability that what changes with the frost alone is snow or ice
+EVEN = 0.5  # probability that what changes where snow can lie alone is snow or ice
 
 
 def prior_of(effect: Effect, outside: float) -> tuple[float, float]:
@@ -87,34 +86,34 @@ def by_snow(
     """
     Probability that a member that is a change is snow or ice on modules or sensors.
 
-    These last for as long as it freezes: of a change of a sensor or mounting, the
-    same size remains without the days with frost, and of snow nothing does. A fault
-    of the air sensor alters on which days it freezes.
+    These last until they melt: of a change of a sensor or mounting, the same size
+    remains without the hours in which snow can lie, and of snow nothing does. Snow
+    alters light, wind and the loss of heat, as most faults do. An offset is the same
+    by day and night, as one in ten causes may be that snow brings. A fault of the air
+    sensor alters in which hours snow can lie.
     """
     one, air = choice.members[name], design.places.get("temp_air")
     if air is None or not one.effect.sensor_fault:
         return 0.0
     if one.effect.sensor_fault == AIR:
         air = air + choice.scores[name].estimate[0] * design.weight(one.change)
-    frost = np.fmin.reduceat(air, design.first) < 0.0
-    if not frost.any():
+    if not np.nanmin(air) < FROST:
         return 0.0
-    last = np.maximum.accumulate(np.where(frost, design.dates, -np.inf))
-    free = replace(
-        design, rows=design.rows * design.in_cells(design.dates - last > THAW)
-    )
+    hours = design.days * 24 + design.places["hour"].astype(int)
+    free = replace(design, rows=design.rows * (snow_at_most(air, hours) == 0.0))
     # what the instrument has had all the time is no change
     every = [*dict.fromkeys([*given, one.change.place]), one.change]
     columns = [design.cells[:, 0], *map(design.values, every)]
     plain = LeastSquares(design.by_week(every), 1)
     other = LeastSquares(free.weekly_products(np.array(columns).T), 1)
     (size,), (remains,) = plain.estimate, other.estimate
-    if other.weights.sum() <= SEEN * plain.weights.sum() or not size:
-        return EVEN
-    variance = other.by_all_weeks()[0][0, 0]
-    width = float(np.hypot(np.sqrt(variance), law * size))
-    device, snow = density(remains - size, width), density(remains, width)
-    return EVEN * snow / (EVEN * snow + (1.0 - EVEN) * device)
+    device = snow = 1.0
+    if other.weights.sum() > SEEN * plain.weights.sum() and size:
+        variance = other.by_all_weeks()[0][0, 0]
+        width = float(np.hypot(np.sqrt(variance), law * size))
+        device, snow = density(remains - size, width), density(remains, width)
+    snow *= EVEN * (ALIKE if one.effect.sensor_fault in OFFSETS else 1.0)
+    return snow / (snow + (1.0 - EVEN) * device)
 
 
 def with_outside(
