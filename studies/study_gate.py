@@ -75,9 +75,10 @@ share far below the stated one is a cause that other causes look like: check it 
 """
 
 OUTRO = """
-Causes stated at 0.50 to 0.95 can be right more often than stated. The loop is then more
-careful than necessary: every set has a cause outside the catalogue, and most records
-have none.
+Causes stated at 0.50 to 0.95 can be right more often than stated. Two true causes can
+look alike, such as natural convection and the shape of the loss by wind: each gets a
+part of the probability of their set, and each is right. Every set has a cause outside
+the catalogue, too, and most records have none.
 
 Shares of few records are uncertain. {doc}`study` and {doc}`study_instruments` have
 every coefficient. {doc}`study_measured` counts how often measured records give the same
@@ -98,6 +99,10 @@ class Found:
     def true(self, name):
         """Whether a cause is there."""
         return self.unknown if name == OUTSIDE else name in self.known
+
+    def true_with(self, name):
+        """Whether another cause of its set is there, too."""
+        return any(self.true(other) for other in held(self.shares) - {name})
 
     @property
     def wrong(self):
@@ -184,16 +189,17 @@ def calibration(found):
     """How often causes are there, by the probability with which they are stated."""
     for low, high in BINS:
         some = [
-            (share, one.true(name), one.unknown)
+            (share, one.true(name), one.unknown, one.true_with(name))
             for one in found
             for name, share in one.shares.items()
             if low <= share < high
         ]
         if some:
-            stated, true, unknown = np.transpose(some)
+            stated, true, unknown, several = np.transpose(some)
             mean, share = stated.mean(), true.mean()
             size = (
                 f"{share:.2f} of {len(some)} are right, stated {mean:.2f}; "
+                f"{int(true @ several)} of these have another true cause in their set; "
                 f"{int(unknown.sum())} are of records with an unknown cause"
             )
             words = f"causes stated at {low:.2f} to {min(high, 1.0):.2f}"
