@@ -333,12 +333,11 @@ def snow_at_most(temp_air: np.ndarray, hours: np.ndarray) -> np.ndarray:
     known = np.where(unknown, 0.0, temp_air)
     change = SNOWFALL * (unknown | (known < FROST))
     change -= MELTS * np.maximum(known, 0.0) / 24.0
-    missing = SNOWFALL * (np.diff(hours, prepend=hours[:1] - 1) - 1)
+    change += SNOWFALL * (np.diff(hours, prepend=hours[:1] - 1) - 1)
 
-    def after(depth: float, fallen: tuple[float, float]) -> float:
-        before, now = fallen
-        return max(min(depth + before, DEEP) + now, 0.0)
+    def after(depth: float, change: float) -> float:
+        depth += change
+        return 0.0 if depth < 0.0 else min(depth, DEEP)
 
-    fallen = zip(missing.tolist(), change.tolist(), strict=True)
-    lying = np.fromiter(accumulate(fallen, after, initial=DEEP), float)[1:]
-    return np.minimum(lying, DEEP)
+    lying = accumulate(change.tolist(), after, initial=DEEP)
+    return np.fromiter(lying, float, len(change) + 1)[1:]

@@ -25,6 +25,7 @@ from pvlib_fem._statistics.weekly_sums import (
     products,
     with_ridge,
 )
+from pvlib_fem.drivers import FROST, snow_at_most
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import time_profile_of, weights_of
 
@@ -263,6 +264,23 @@ class Design:
             for column in columns
             if self.effects[name].confounder and column not in given
         ]
+
+    @cached_property
+    def rows_without_snow(self) -> np.ndarray | None:
+        """What :meth:`without_snow` returns for the air temperature as measured."""
+        return self.without_snow(np.zeros(len(self.rows)))
+
+    def without_snow(self, shift: np.ndarray) -> np.ndarray | None:
+        """
+        Number of rows in each cell where no snow can lie; None if none ever can.
+
+        ``shift`` is added to the measured air temperature. [K]
+        """
+        air = self.places.get("temp_air")
+        if air is None or not np.nanmin(air + shift) < FROST:
+            return None
+        hours = self.days * 24 + self.places["hour"].astype(int)
+        return self.rows * (snow_at_most(air + shift, hours) == 0.0)
 
     def residual_given(self, columns: Sequence[Column]) -> np.ndarray:
         """Residual of a fit of some columns, by cell. [K]"""

@@ -23,7 +23,7 @@ from pvlib_fem._statistics.tables import (
     largest_table,
 )
 from pvlib_fem._statistics.weekly_sums import LeastSquares
-from pvlib_fem.drivers import FROST, needed_for, own_columns, snow_at_most
+from pvlib_fem.drivers import needed_for, own_columns
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._instruments import OF_NO_COEFFICIENT, OFFSETS
 from pvlib_fem.effects._time_profiles import weights_of
@@ -92,15 +92,15 @@ def by_snow(
     by day and night, as one in ten causes may be that snow brings. A fault of the air
     sensor alters in which hours snow can lie.
     """
-    one, air = choice.members[name], design.places.get("temp_air")
-    if air is None or not one.effect.sensor_fault:
+    one, rows = choice.members[name], design.rows_without_snow
+    if not one.effect.sensor_fault:
         return 0.0
     if one.effect.sensor_fault == AIR:
-        air = air + choice.scores[name].estimate[0] * design.weight(one.change)
-    if not np.nanmin(air) < FROST:
+        shift = choice.scores[name].estimate[0] * design.weight(one.change)
+        rows = design.without_snow(shift)
+    if rows is None:
         return 0.0
-    hours = design.days * 24 + design.places["hour"].astype(int)
-    free = replace(design, rows=design.rows * (snow_at_most(air, hours) == 0.0))
+    free = replace(design, rows=rows)
     # what the instrument has had all the time is no change
     every = [*dict.fromkeys([*given, one.change.place]), one.change]
     columns = [design.cells[:, 0], *map(design.values, every)]
