@@ -246,6 +246,22 @@ def test_what_nothing_tells_apart_has_equal_shares():
         assert low <= shares["air_elsewhere"] <= high
 
 
+def test_of_laws_that_explain_the_same_one_with_fewer_coefficients_is_probable():
+    """Each costs half the logarithm of the observations that a law is worth."""
+    random, (days, hours) = np.random.default_rng(0), clock(400)
+    own, other = random.normal(size=(2, len(days)))
+    rest = own + 0.1 * noise(random, len(days))
+    columns = {"one": np.ones(len(days)), "rain.film": own}
+    columns |= {"wind_direction.north": own, "wind_direction.east": other}
+    made = design(rest, columns, days, hours, own=["rain", "wind_direction"])
+    every = Selection(made, CRITERIA).candidates([*made.base])
+    members = {one.name: replace(one, log_prior=0.0) for one in every}
+    rain = members["rain"]
+    shares = posterior(made, CRITERIA, members, [*made.base], rain, 10.0)
+    odds = shares["rain"] / shares["wind_direction"]
+    assert odds == pytest.approx(np.sqrt(1.0 + 1.0 / CRITERIA.law_error**2), rel=0.02)
+
+
 OFFSETS = [CHANGES[f"module_offset_{name}"] for name in ("step", "drift", "episode")]
 
 

@@ -35,7 +35,8 @@ def posterior(
 
     What the best one still explains given another is compared with the error of the
     laws: an exact likelihood of so many rows would be sure of a law that is not exact
-    (Huggins and Miller, 2023).
+    (Huggins and Miller, 2023). By its error, a law is worth so many observations as its
+    inverse square says, and each coefficient costs half of their logarithm.
 
     Parameters
     ----------
@@ -86,6 +87,9 @@ def posterior(
         within -= np.log(np.exp(within).sum(axis=0))
         logs[same] = within - 0.5 * (1.0 - common[same].max(axis=0)) / law
     logs += np.array([[one.log_prior] for one in members.values()])
+    # a law of two coefficients fits part of another one's error (Schwarz, 1978)
+    sizes = np.array([[len(one.beyond(given))] for one in members.values()])
+    logs -= 0.5 * np.log1p(1.0 / law) * sizes
     # faults of one law share its prior
     places = [place_of(one.columns[0]) for one in members.values()]
     faults = Counter(places[same[0]] for same in groups.values())
