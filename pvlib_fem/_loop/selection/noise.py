@@ -57,7 +57,7 @@ ALIKE = 0.1  # of other causes, as alike as an effect whose law they would break
 REFLECTED = 0.45
 AIR = "air_offset"  # of the thermometer that shows the frost
 SEEN = 1e-4  # of a column's square: with less of it nothing is seen
-EVEN = 0.5  # probability that what changes where snow can lie alone is snow or ice
+EVEN = 0.5  # probability that a change is snow or ice, if both explain it alike
 
 
 def prior_of(effect: Effect, outside: float) -> tuple[float, float]:
