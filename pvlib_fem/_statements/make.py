@@ -11,6 +11,7 @@ from pvlib_fem._findings import (
     LEAST,
     OUTSIDE,
     OUTSIDE_WORDS,
+    SNOW,
     CheckOutcome,
     Finding,
     Kind,
@@ -46,6 +47,8 @@ MEASURE_WET = (
 MEASURES = {**dict.fromkeys(PAST, MEASURE_STORE), SINCE_RAIN: MEASURE_WET}
 #: what the catalogue has not, and looks as light that the irradiance sensor misses
 REFLECTED = Clause(MODULES, "a surface nearby reflects light onto the modules")
+#: what a change may be that is there only while snow can lie
+SNOW_LAY = Clause(MODULES, "snow or ice altered the readings while it lay")
 STOWED = "modules whose trackers are stowed in wind look the same"
 HALF = 0.5  # of its days, on which modules stand out that do not stand with a sensor
 STUCK = "sensor_stuck"  # cause of a tracker's irradiance sensor that does not turn
@@ -158,6 +161,8 @@ def clause_or_name(
     name: str, effect: Effect | None, finding: Finding, loop: "Loop"
 ) -> Clause:
     """A candidate as a clause; of an unknown effect, such as a hint of a column."""
+    if name == SNOW != finding.effect and name not in finding.members:
+        return SNOW_LAY
     if effect is None:
         if finding.kind is Kind.COLUMN:
             return Clause(MODEL, f"the error follows {name}")

@@ -25,10 +25,10 @@ from test_instruments import DATES
 
 import pvlib_fem as fem
 from pvlib_fem import simulator
-from pvlib_fem._findings import Finding, Kind, Member, Verdict
+from pvlib_fem._findings import SNOW, Finding, Kind, Member, Verdict
 from pvlib_fem._statements.causes import READS, SPECIAL, clause_of, reading_of
 from pvlib_fem._statements.loop_summary import LINES, WIDTH, findings
-from pvlib_fem._statements.make import pattern_statement
+from pvlib_fem._statements.make import finding_statement, pattern_statement
 from pvlib_fem._statements.statement import Statement
 from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects._time_profiles import dates_in_words
@@ -185,6 +185,19 @@ def test_an_ambiguous_finding_names_all_causes_and_what_would_decide(ambiguous):
     assert one["verdict"] == "ambiguous" and "Ambiguous" in one["certainty"]
     assert ", or the " in one["text"] and one["action"].startswith("To decide")
     assert set(one["alternatives"]) == {*loop.finding_objects[0].members}
+
+
+def test_a_change_may_be_snow_that_has_melted(ambiguous):  # noqa: F811
+    """It is no cause from the date on, and no column has to show it."""
+    _, loop = ambiguous
+    one = loop.finding_objects[0]
+    text = finding_statement(
+        replace(one, candidates=(*one.candidates, SNOW)), loop
+    ).text
+    assert text.endswith(", or snow or ice altered the readings while it lay")
+    fitted = {**one.members, SNOW: Member({}, {}, {}, {})}
+    covered = replace(one, candidates=(*one.candidates, SNOW), members=fitted)
+    assert "covers the modules" in finding_statement(covered, loop).text
 
 
 def test_findings_are_a_table_of_the_objects(ambiguous):  # noqa: F811
