@@ -274,7 +274,8 @@ class Design:
         """
         Number of rows in each cell where no snow can lie; None if none ever can.
 
-        ``shift`` is added to the measured air temperature. [K]
+        ``shift`` is added to the measured air temperature. [K] Snow may have fallen in
+        hours that the design has not, such as those of test weeks.
         """
         air = self.places.get("temp_air")
         if air is None or not np.nanmin(air + shift) < FROST:
