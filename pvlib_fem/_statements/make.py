@@ -161,7 +161,7 @@ def clause_or_name(
     name: str, effect: Effect | None, finding: Finding, loop: "Loop"
 ) -> Clause:
     """A candidate as a clause; of an unknown effect, such as a hint of a column."""
-    if name == SNOW != finding.effect and name not in finding.members:
+    if name == SNOW and SNOW not in (finding.effect, *finding.members):
         return SNOW_LAY
     if effect is None:
         if finding.kind is Kind.COLUMN:

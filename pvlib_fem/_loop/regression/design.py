@@ -268,20 +268,22 @@ class Design:
     @cached_property
     def rows_without_snow(self) -> np.ndarray | None:
         """What :meth:`without_snow` returns for the air temperature as measured."""
-        return self.without_snow(np.zeros(len(self.rows)))
+        return self.without_snow(0.0)
 
-    def without_snow(self, shift: np.ndarray) -> np.ndarray | None:
+    def without_snow(self, shift: np.ndarray | float) -> np.ndarray | None:
         """
         Number of rows in each cell where no snow can lie; None if none ever can.
 
         ``shift`` is added to the measured air temperature. [K] Snow may have fallen in
         hours that the design has not, such as those of test weeks.
         """
-        air = self.places.get("temp_air")
-        if air is None or not np.nanmin(air + shift) < FROST:
+        if "temp_air" not in self.places:
+            return None
+        air = self.places["temp_air"] + shift
+        if not np.fmin.reduce(air) < FROST:
             return None
         hours = self.days * 24 + self.places["hour"].astype(int)
-        return self.rows * (snow_at_most(air + shift, hours) == 0.0)
+        return self.rows * (snow_at_most(air, hours) == 0.0)
 
     def residual_given(self, columns: Sequence[Column]) -> np.ndarray:
         """Residual of a fit of some columns, by cell. [K]"""

@@ -92,12 +92,15 @@ def by_snow(
     by day and night, as one in ten causes may be that snow brings. A fault of the air
     sensor alters in which hours snow can lie.
     """
-    one, rows = choice.members[name], design.rows_without_snow
-    if not one.effect.sensor_fault:
+    one = choice.members[name]
+    fault = one.effect.sensor_fault
+    if not fault:
         return 0.0
-    if one.effect.sensor_fault == AIR:
+    if fault == AIR:
         shift = choice.scores[name].estimate[0] * design.weight(one.change)
         rows = design.without_snow(shift)
+    else:
+        rows = design.rows_without_snow
     if rows is None:
         return 0.0
     free = replace(design, rows=rows)
@@ -112,7 +115,7 @@ def by_snow(
         variance = other.by_all_weeks()[0][0, 0]
         width = float(np.hypot(np.sqrt(variance), law * size))
         device, snow = density(remains - size, width), density(remains, width)
-    snow *= EVEN * (ALIKE if one.effect.sensor_fault in OFFSETS else 1.0)
+    snow *= EVEN * (ALIKE if fault in OFFSETS else 1.0)
     return snow / (snow + (1.0 - EVEN) * device)
 
 
