@@ -183,6 +183,9 @@ OF_NO_COEFFICIENT = ("anemometer_stall", "air_sensor_shield")
 #: sensor faults that are the same at all hours and in any weather
 OFFSETS = ("air_offset", "module_offset")
 
+#: sensor faults of how fast the measured module temperature follows
+INERTIA = ("time_constant",)
+
 #: bounds of both faults that have the terms of more light: one of them is searched for
 MORE_LIGHT = Parameter(0.0, -0.5, 1.0, "-")
 

@@ -1170,6 +1170,29 @@ def test_what_an_unknown_cause_can_imitate_is_never_identified(name):
     assert prior_of(EFFECTS["irradiance_sensor_step"], 0.07)[1] < 1.0
 
 
+@pytest.mark.parametrize(
+    ("fault", "change", "there"),
+    [
+        ("time_constant", 0.2, False),
+        ("time_constant", 1.0, True),
+        ("module_sensor_contact", 0.2, True),
+    ],
+)
+def test_a_change_within_the_error_of_the_heat_capacity_is_no_cause(
+    fault, change, there
+):
+    """One capacity stands for several, of which each season shows another part."""
+    days, hours = clock(365)
+    rest = 10.0 * change * (days >= 200) + noise(np.random.default_rng(5), len(days))
+    steps = [CHANGES[f"{fault}_step"]]
+    made = design(rest, {"one": np.ones(len(days))}, days, hours, steps)
+    made.scale[-1] = 10.0  # K, that a change of 100 % makes
+    best = Selection(made, CRITERIA).best([])
+    assert (best is not None) == there
+    if there:
+        assert best.score.estimate[0] == pytest.approx(change, abs=0.02)
+
+
 def probabilities_of(residual, effect, air):
     """Probabilities of the best candidate for a residual of a year, as by dates."""
     days, hours = clock(365)

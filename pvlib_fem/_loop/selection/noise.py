@@ -25,7 +25,7 @@ from pvlib_fem._statistics.tables import (
 from pvlib_fem._statistics.weekly_sums import LeastSquares
 from pvlib_fem.drivers import needed_for, own_columns
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.effects._instruments import OF_NO_COEFFICIENT, OFFSETS
+from pvlib_fem.effects._instruments import INERTIA, OF_NO_COEFFICIENT, OFFSETS
 from pvlib_fem.effects._time_profiles import weights_of
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def prior_of(effect: Effect, outside: float) -> tuple[float, float]:
         return REFLECTED, 1.0
     # heat along a user's column is no law that another cause would break, and all that
     # stores heat near the modules makes them slower, some of it for a season
-    slower = effect.sensor_fault == "time_constant"
+    slower = effect.sensor_fault in INERTIA
     if effect.column or effect.imitable or slower:
         return outside, 1.0
     dated = effect.sensor_fault or effect.turns  # a fault of one device from a date on

@@ -28,6 +28,7 @@ from pvlib_fem._statistics.weekly_sums import (
 )
 from pvlib_fem.drivers import own_columns
 from pvlib_fem.effects._effect import Effect
+from pvlib_fem.effects._instruments import INERTIA
 from pvlib_fem.effects._time_profiles import is_dated
 
 BETTER = 1.02  # times as much as another explains a candidate has to, to replace it
@@ -372,7 +373,8 @@ class Selection:
         else:
             null, freedom = self.seen.placebo(given, own, whitened)
             part, more = 1.0, 1.0
-        rows, null = one.rows(design), more * null / unit
+        rows = one.rows(design)
+        null = more * null / unit + self.by_own_law(one.effect)
         seen = part * whitened.estimate / scale
         fits = within_bounds(rows.values(), estimate, np.sqrt(np.diag(covariance)))
         gain, acting = self.gain(one, given, weekly), self.acting(one)
@@ -445,6 +447,17 @@ class Selection:
         score, more = beyond[0, 1:-1] @ share, beyond[-1, -1] / square
         part = 1.0 - score / beyond[0, -1] if beyond[0, -1] else 1.0
         return float(more * part), float(more)
+
+    def by_own_law(self, effect: Effect) -> float:
+        """
+        Variance of the size of a change by the error of the module's own law.
+
+        One heat capacity stands for glass, frame and whatever warms behind the module,
+        of which weather and season show other parts. So it has a relative error, too,
+        and part of that looks like a change from a date on.
+        """
+        error = ONE_FAULT * self.criteria.law_error
+        return error**2 if effect.sensor_fault in INERTIA else 0.0
 
     def squares(self, given: Sequence[Column]) -> dict[Changed, float]:
         """Sum of squares that each change among some columns explains."""
