@@ -344,12 +344,17 @@ class Search:
         Further single effects that are not in the model, each given all before it.
 
         They are chosen and weighed as those of the model, by lower criteria, so that
-        one cause is one hint, whatever else may be it. What a second sensor or power
-        shows is a hint of any gain.
+        one cause is one hint, whatever else may be it. Another candidate of a finding
+        in the model may be there as well, but for changes, which share its dates. What
+        a second sensor or power shows is a hint of any gain.
         """
         limits, least = self.case.criteria, this.selection.least
         further = replace(this.selection, criteria=limits.for_hints)
-        for finding in (*self.findings, *self.refused):
+        for finding in self.findings:
+            effects = self.choices[finding.effect].effects_of(finding.candidates)
+            changes = {one.name for one in effects if is_dated(one)}
+            further.closed |= changes | {finding.effect}
+        for finding in self.refused:
             further.closed |= {*finding.candidates}
         reported = [one.as_first for one in self.choices.values()]
         while len(reported) < MOST:
