@@ -96,7 +96,6 @@ class Reason(Enum):
         "below the {least:.2f} K that are material on the weeks that are fitted "
         "({gain:.3f} K)"
     )
-    NOT_CHOSEN = "probable and material, but the model with other effects explains more"
     UNEXPLAINED = (
         "{gain:.2f} K of the error is {where}; no effect and no column explains it"
     )

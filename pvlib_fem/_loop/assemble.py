@@ -157,8 +157,7 @@ def rank_remaining(
     names = [*taken, *this.names]
     rows, failed = ranked(selection, this.evidence, given, case.days, names)
     floor = selection.least
-    found = [*search.hints(this)]
-    shown = [*findings, *(f for f, _ in found), *pattern_findings(tables, floor)]
+    shown = [*findings, *(f for f, _ in search.hints), *pattern_findings(tables, floor)]
     whole = search.start.error(case.fitting)
     unseen = dict(not_seen(case, rows, failed, shown, whole))
     table = table_of(
@@ -166,7 +165,7 @@ def rank_remaining(
         | {name: row.content() for name, row in rows.items()}
     )
     table = table.sort_values("gain", ascending=False, kind="stable")
-    return Ranking(table), shown, unseen, [effect for _, effect in found]
+    return Ranking(table), shown, unseen, [effect for _, effect in search.hints]
 
 
 def error_table(case: Case, steps: Mapping[str, Step]) -> pd.DataFrame:

@@ -1,6 +1,6 @@
 """Rounds of linearisation and selection, until nothing changes."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
@@ -24,7 +24,7 @@ from pvlib_fem._loop.regression.design import Changed
 from pvlib_fem._loop.regression.hourly_tangents import design_of_evidence
 from pvlib_fem._loop.regression.refits import Fits, Step
 from pvlib_fem._loop.regression.tangents import Evidence
-from pvlib_fem._loop.results.conclude import check_of_bounds, finding_of, hint_of
+from pvlib_fem._loop.results.conclude import check_of_bounds, finding_of, if_material
 from pvlib_fem._loop.results.parquet_loop import OwnSteps
 from pvlib_fem._loop.selection.choice import Choice, ShownChange
 from pvlib_fem._loop.selection.noise import with_outside
@@ -76,6 +76,8 @@ class Search:
     findings: list[Finding] = field(default_factory=list)
     #: findings that are not in the model
     refused: list[Finding] = field(default_factory=list)
+    #: further ones that are not material or sure enough, with their effects
+    hints: list[tuple[Finding, Effect]] = field(default_factory=list)
     choices: dict[str, Choice] = field(default_factory=dict)  # of each finding
     #: of all findings so far, with their dates
     effects: dict[str, Effect] = field(default_factory=dict)
@@ -242,7 +244,7 @@ class Search:
     def with_findings(self, plain: Step, this: Round) -> Step:
         """The last step, with the findings that are in it one after the other."""
         selection = this.selection
-        self.findings, self.choices = [], {}
+        self.findings, self.hints, self.choices = [], [], {}
         self.refused = [f for f in self.refused if f.effect in self.closed]
         chosen = [one for one in this.choices if one.top.name not in self.closed]
         known = self.by_references(this, chosen)
@@ -250,32 +252,84 @@ class Search:
         reported: list[Choice] = []
         while chosen:
             others = [known.get(one.top.name, one) for one in chosen[1:]]
-            others = [*reported, *others]
-            one, effect, finding = self.described(this, chosen[0], others)
+            one, effect, finding = self.described(this, chosen[0], [*reported, *others])
             reported.append(one.as_first)
             chosen = chosen[1:]
             if one.first != one.top.name:
                 chosen = selection.kept_beside(chosen, reported)
             self.choices[finding.effect] = one
             self.effects[finding.effect] = effect
-            if not finding.added:
+            if finding.added:
+                step = self.with_finding(step, finding)
+            else:
                 self.refused.append(finding)
-                continue
-            model = replace(step.model, effects=(*step.model.effects, effect))
-            fit = self.fits.fitted(model, step, finding.coefficients, whole=False)
-            check, why = check_of_bounds(finding.coefficients, fit)
-            if not check.passed:
-                self.refuse(finding, check, why)
-                continue
-            if size := one.joint_size(effect.name, fit.coefficients):
-                model = replace(model, held={**model.held, **size})
-                fit = self.fits.fitted(model, step, size, whole=False)
-            step = self.steps[f"+{finding.effect}"] = fit
-            self.findings.append(finding)
+        step = self.with_further(step, this, reported)
         if self.findings:
             step = self.on_own_steps(step)
             self.steps[f"+{self.findings[-1].effect}"] = step
         return step
+
+    def with_finding(self, step: Step, finding: Finding) -> Step:
+        """A step with one finding more, unless its coefficients end at a bound."""
+        one, effect = self.choices[finding.effect], self.effects[finding.effect]
+        model = replace(step.model, effects=(*step.model.effects, effect))
+        fit = self.fits.fitted(model, step, finding.coefficients, whole=False)
+        check, why = check_of_bounds(finding.coefficients, fit)
+        if not check.passed:
+            self.refuse(finding, check, why)
+            return step
+        if size := one.joint_size(effect.name, fit.coefficients):
+            model = replace(model, held={**model.held, **size})
+            fit = self.fits.fitted(model, step, size, whole=False)
+        self.steps[f"+{finding.effect}"] = fit
+        self.findings.append(finding)
+        return fit
+
+    def with_further(self, step: Step, this: Round, reported: Sequence[Choice]) -> Step:
+        """
+        The step with further findings, and further hints, each given all before it.
+
+        They are chosen and weighed as those of the model, by lower criteria, so that
+        one cause is one hint, whatever else may be it. What a second sensor or power
+        shows is a hint of any gain. Those that pass the criteria of the model are in
+        it: another member of a choice may be reported than the one that was best, and
+        explain less of them.
+        """
+        limits, least = self.case.criteria, this.selection.least
+        further = replace(this.selection, criteria=limits.for_hints)
+        for finding in (*self.findings, *self.refused):
+            further.closed |= self.closed_by(finding)
+        reported = [*reported]
+        while len(reported) < MOST:
+            best = further.best_shown(reported) or further.best(reported)
+            if best is None:
+                break
+            fall = further.in_sample([best.top], further.given(reported))[0]
+            one, effect, finding = self.described(this, best, reported)
+            fitted = float(np.sqrt(fall))
+            finding = if_material(finding, best.score, fitted, least, limits)
+            reported.append(one.as_first)
+            if finding.added:
+                self.choices[finding.effect] = one
+                self.effects[finding.effect] = effect
+                step = self.with_finding(step, finding)
+            else:
+                self.hints.append((finding, effect))
+            further.closed |= self.closed_by(finding)
+        return step
+
+    def closed_by(self, finding: Finding) -> frozenset[str]:
+        """
+        Names of candidates of a finding that are no further finding or hint.
+
+        Beside one in the model, another candidate may be there as well, but for
+        changes, which share its dates.
+        """
+        if finding.effect not in {one.effect for one in self.findings}:
+            return frozenset(finding.candidates)
+        effects = self.choices[finding.effect].effects_of(finding.candidates)
+        changes = (one.name for one in effects if is_dated(one))
+        return frozenset({*changes, finding.effect})
 
     def by_references(self, this: Round, chosen: Sequence[Choice]) -> dict[str, Choice]:
         """
@@ -338,35 +392,6 @@ class Search:
             effect = by_power(case, effect, size)
         one = cross_checked(references, one, effect, this.coefficients)
         return one, effect, finding_of(one, effect, case, selection.least)
-
-    def hints(self, this: Round) -> Iterator[tuple[Finding, Effect]]:
-        """
-        Further single effects that are not in the model, each given all before it.
-
-        They are chosen and weighed as those of the model, by lower criteria, so that
-        one cause is one hint, whatever else may be it. Another candidate of a finding
-        in the model may be there as well, but for changes, which share its dates. What
-        a second sensor or power shows is a hint of any gain.
-        """
-        limits, least = self.case.criteria, this.selection.least
-        further = replace(this.selection, criteria=limits.for_hints)
-        for finding in self.findings:
-            effects = self.choices[finding.effect].effects_of(finding.candidates)
-            changes = {one.name for one in effects if is_dated(one)}
-            further.closed |= changes | {finding.effect}
-        for finding in self.refused:
-            further.closed |= {*finding.candidates}
-        reported = [one.as_first for one in self.choices.values()]
-        while len(reported) < MOST:
-            best = further.best_shown(reported) or further.best(reported)
-            if best is None:
-                break
-            fall = further.in_sample([best.top], further.given(reported))[0]
-            one, effect, finding = self.described(this, best, reported)
-            fitted = float(np.sqrt(fall))
-            yield hint_of(finding, best.score, fitted, least, limits), effect
-            reported.append(one.as_first)
-            further.closed |= {*finding.candidates}
 
     def on_own_steps(self, step: Step) -> Step:
         """A step fitted to the record's own steps, and with its own base."""

@@ -21,7 +21,7 @@ from pvlib_fem._findings import (
     Verdict,
     in_percent,
 )
-from pvlib_fem._loop.results.conclude import member_of, why_not_chosen
+from pvlib_fem._loop.results.conclude import member_of, why_not_in_model
 from pvlib_fem._loop.selection.choice import Choice
 from pvlib_fem._stored import as_json
 from pvlib_fem.effects import find
@@ -72,15 +72,19 @@ def test_the_first_failure_is_the_rule_that_decided():
         (0.13, 0.99, 0.14, "NOT_MATERIAL", "below the 0.15 K that are material"),
         (0.20, 0.949, 0.19, "NOT_SURE", "such an effect is 94.9 %; 95 % is required"),
         (0.155, 0.985, 0.135, "NOT_MATERIAL_FITTED", "are fitted (0.135 K)"),
-        (0.20, 0.985, 0.19, "NOT_CHOSEN", "with other effects explains more"),
     ],
 )
 def test_a_hint_says_what_it_lacks(gain, chance, fitted, name, words):
     """A probability that suffices is no reason against it."""
     score = SimpleNamespace(fall=gain**2, probability=chance)
-    check, why = why_not_chosen(score, fitted, 0.15**2, Criteria())
+    check, why = why_not_in_model(score, fitted, 0.15**2, Criteria())
     assert why.reason.name == name and str(why).endswith(words)
-    assert check.passed is (name == "NOT_CHOSEN")
+    assert not check.passed
+
+
+def test_what_passes_every_check_is_in_the_model():
+    score = SimpleNamespace(fall=0.2**2, probability=0.985)
+    assert why_not_in_model(score, 0.19, 0.15**2, Criteria()) is None
 
 
 def test_names_are_joined_as_their_sentence_has_it():

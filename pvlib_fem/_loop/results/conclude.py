@@ -277,17 +277,17 @@ def check_of_bounds(
     )
 
 
-def hint_of(
+def if_material(
     finding: Finding, score: "Score", fitted: float, floor: float, criteria: Criteria
 ) -> Finding:
     """
-    A hint: a finding with the check that keeps it out of the model.
+    A finding; one that is not material or sure enough for the model as a hint.
 
     Parameters
     ----------
     finding : Finding
     score : Score
-        Of its candidate, given the model and the hints before it.
+        Of its candidate, given all others.
     fitted : float
         Its gain on the weeks that are fitted. [K]
     floor : float
@@ -297,18 +297,22 @@ def hint_of(
     Returns
     -------
     Finding
+        A hint with the check that keeps it out of the model.
     """
-    check, why = why_not_chosen(score, fitted, floor * score.acting, criteria)
-    if finding.verdict is Verdict.HINT:  # as it would be if it were chosen
+    if finding.verdict is Verdict.HINT:
         return finding
+    failed = why_not_in_model(score, fitted, floor * score.acting, criteria)
+    if failed is None:
+        return finding
+    check, why = failed
     why = replace(why, also=finding.because.also)
     return replace(finding, verdict=Verdict.HINT, because=why, checks=(check,))
 
 
-def why_not_chosen(
+def why_not_in_model(
     score: "Score", fitted: float, least: float, criteria: Criteria
-) -> tuple[Check, Because]:
-    """The check of a possible effect that the selection did not pass, and why."""
+) -> tuple[Check, Because] | None:
+    """The check that keeps a possible effect out of the model, and why, or None."""
     check = check_of_gain(float(np.sqrt(score.fall)), least)
     if not check.passed:
         return check, because(Reason.NOT_MATERIAL, least=check.threshold)
@@ -318,10 +322,9 @@ def why_not_chosen(
         return check, because(Reason.NOT_SURE, chance=chance, least=sure)
     check = check_of_gain(fitted, least)
     if not check.passed:
-        least = check.threshold
-        why = because(Reason.NOT_MATERIAL_FITTED, gain=fitted, least=least)
+        why = because(Reason.NOT_MATERIAL_FITTED, gain=fitted, least=check.threshold)
         return replace(check, name="gain on the weeks that are fitted"), why
-    return check, because(Reason.NOT_CHOSEN)
+    return None
 
 
 def pattern_findings(tables: Iterable["Table"], least: float) -> list[Finding]:
