@@ -78,7 +78,8 @@ class Search:
     refused: list[Finding] = field(default_factory=list)
     #: further ones that are not material or sure enough, with their effects
     hints: list[tuple[Finding, Effect]] = field(default_factory=list)
-    choices: dict[str, Choice] = field(default_factory=dict)  # of each finding
+    #: of each finding in the model
+    choices: dict[str, Choice] = field(default_factory=dict)
     #: of all findings so far, with their dates
     effects: dict[str, Effect] = field(default_factory=dict)
     #: names that a refit or the own steps contradict
@@ -257,10 +258,9 @@ class Search:
             chosen = chosen[1:]
             if one.first != one.top.name:
                 chosen = selection.kept_beside(chosen, reported)
-            self.choices[finding.effect] = one
             self.effects[finding.effect] = effect
             if finding.added:
-                step = self.with_finding(step, finding)
+                step = self.with_finding(step, finding, one)
             else:
                 self.refused.append(finding)
         step = self.with_further(step, this, reported)
@@ -269,9 +269,9 @@ class Search:
             self.steps[f"+{self.findings[-1].effect}"] = step
         return step
 
-    def with_finding(self, step: Step, finding: Finding) -> Step:
+    def with_finding(self, step: Step, finding: Finding, one: Choice) -> Step:
         """A step with one finding more, unless its coefficients end at a bound."""
-        one, effect = self.choices[finding.effect], self.effects[finding.effect]
+        effect = self.effects[finding.effect]
         model = replace(step.model, effects=(*step.model.effects, effect))
         fit = self.fits.fitted(model, step, finding.coefficients, whole=False)
         check, why = check_of_bounds(finding.coefficients, fit)
@@ -283,6 +283,7 @@ class Search:
             fit = self.fits.fitted(model, step, size, whole=False)
         self.steps[f"+{finding.effect}"] = fit
         self.findings.append(finding)
+        self.choices[finding.effect] = one
         return fit
 
     def with_further(self, step: Step, this: Round, reported: Sequence[Choice]) -> Step:
@@ -310,9 +311,8 @@ class Search:
             finding = if_material(finding, best.score, fitted, least, limits)
             reported.append(one.as_first)
             if finding.added:
-                self.choices[finding.effect] = one
                 self.effects[finding.effect] = effect
-                step = self.with_finding(step, finding)
+                step = self.with_finding(step, finding, one)
             else:
                 self.hints.append((finding, effect))
             further.closed |= self.closed_by(finding)
@@ -322,8 +322,8 @@ class Search:
         """
         Names of candidates of a finding that are no further finding or hint.
 
-        Beside one in the model, another candidate may be there as well, but for
-        changes, which share its dates.
+        Another candidate of one in the model may be there as well, but for changes,
+        which share its dates.
         """
         if finding.effect not in {one.effect for one in self.findings}:
             return frozenset(finding.candidates)
