@@ -588,6 +588,19 @@ def test_water_below_the_modules_is_no_drift_of_a_thermometer(seed):
     assert errors[loop.last] < 0.4 * errors[loop.base]
 
 
+def test_a_hint_lacks_something_and_what_lacks_nothing_is_in_the_model():
+    """The season stands for light on the rear, and until then for reflection, too."""
+    data = simulator.record(days=365, step=1800.0, seed=6)
+    loop = fem.close_loop(data, **PLACE)
+    hints = [f for f in loop.finding_objects if f.verdict == "hint"]
+    assert hints and all(f.failed is not None for f in hints)
+    found = next(f for f in loop.finding_objects if f.effect == "incidence_angle")
+    assert found.added and found.failed is None
+    errors = loop.table["rmse_test"]
+    at = [*errors.index].index("+incidence_angle")
+    assert errors.iloc[at] < errors.iloc[at - 1]
+
+
 def test_the_measured_week_is_too_short_to_name_anything(week):
     loop = fem.close_loop(week)
     assert loop.effects == [] and loop.notes == ()
