@@ -22,7 +22,6 @@ from pvlib_fem._loop.search import Search
 from pvlib_fem._record.column_names import DAYLIGHT
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem.drivers._mounts import without_rows
-from pvlib_fem.effects._effect import Effect
 from pvlib_fem.reasons import Because, Reason, because
 
 SCORES = [
@@ -76,8 +75,7 @@ def loop_of_search(search: Search, last: Step, base: str) -> Loop:
         for f in search.findings
     ]
     findings = [*findings, *search.refused]
-    ranking, more, unseen, hinted = rank_remaining(search, findings, tables)
-    hinted = [*(search.effects[f.effect] for f in search.refused), *hinted]
+    ranking, more, unseen = rank_remaining(search, findings, tables)
     raw = search.start
     first = search.steps[base]
     before = pd.Series(first.measured - first.temperature, record.index)
@@ -109,7 +107,7 @@ def loop_of_search(search: Search, last: Step, base: str) -> Loop:
         episodes=stretches,
         events=shown,
         patterns=patterns if PREDICTED in steps else (),
-        hint_effects=tuple(hinted),
+        hint_effects=tuple(search.effects[f.effect] for f in search.refused),
         label=case.label,
     )
 
@@ -145,19 +143,19 @@ def repeatable_tables(search: Search, last: Step) -> list[Table]:
 
 def rank_remaining(
     search: Search, findings: list[Finding], tables: list[Table]
-) -> tuple[Ranking, list[Finding], dict[str, Because], list[Effect]]:
-    """Ranking, all findings, why the others could not be seen, effects of hints."""
+) -> tuple[Ranking, list[Finding], dict[str, Because]]:
+    """Ranking, all findings, and why other effects could not be seen."""
     case, this = search.case, search.last
     if this is None:
         days, least = case.fitting_days, FEWEST_FITTING_DAYS
         few = because(Reason.FEW_FITTING_DAYS, days=days, least=least)
-        return table_of({}), findings, {effect.name: few for effect in case.wanted}, []
+        return table_of({}), findings, {effect.name: few for effect in case.wanted}
     selection, taken = this.selection, [f.effect for f in findings if f.added]
     given = selection.given(this.choices)
     names = [*taken, *this.names]
     rows, failed = ranked(selection, this.evidence, given, case.days, names)
     floor = selection.least
-    shown = [*findings, *(f for f, _ in search.hints), *pattern_findings(tables, floor)]
+    shown = [*findings, *pattern_findings(tables, floor)]
     whole = search.start.error(case.fitting)
     unseen = dict(not_seen(case, rows, failed, shown, whole))
     table = table_of(
@@ -165,7 +163,7 @@ def rank_remaining(
         | {name: row.content() for name, row in rows.items()}
     )
     table = table.sort_values("gain", ascending=False, kind="stable")
-    return Ranking(table), shown, unseen, [effect for _, effect in search.hints]
+    return Ranking(table), shown, unseen
 
 
 def error_table(case: Case, steps: Mapping[str, Step]) -> pd.DataFrame:

@@ -76,8 +76,6 @@ class Search:
     findings: list[Finding] = field(default_factory=list)
     #: findings that are not in the model
     refused: list[Finding] = field(default_factory=list)
-    #: further ones that are not material or sure enough, with their effects
-    hints: list[tuple[Finding, Effect]] = field(default_factory=list)
     #: of each finding in the model
     choices: dict[str, Choice] = field(default_factory=dict)
     #: of all findings so far, with their dates
@@ -245,7 +243,7 @@ class Search:
     def with_findings(self, plain: Step, this: Round) -> Step:
         """The last step, with the findings that are in it one after the other."""
         selection = this.selection
-        self.findings, self.hints, self.choices = [], [], {}
+        self.findings, self.choices = [], {}
         self.refused = [f for f in self.refused if f.effect in self.closed]
         chosen = [one for one in this.choices if one.top.name not in self.closed]
         known = self.by_references(this, chosen)
@@ -258,32 +256,33 @@ class Search:
             chosen = chosen[1:]
             if one.first != one.top.name:
                 chosen = selection.kept_beside(chosen, reported)
-            self.effects[finding.effect] = effect
-            if finding.added:
-                step = self.with_finding(step, finding, one)
-            else:
-                self.refused.append(finding)
+            step = self.with_finding(step, finding, effect, one)
         step = self.with_further(step, this, reported)
         if self.findings:
             step = self.on_own_steps(step)
             self.steps[f"+{self.findings[-1].effect}"] = step
         return step
 
-    def with_finding(self, step: Step, finding: Finding, one: Choice) -> Step:
-        """A step with one finding more, unless its coefficients end at a bound."""
-        effect = self.effects[finding.effect]
+    def with_finding(
+        self, step: Step, finding: Finding, effect: Effect, choice: Choice
+    ) -> Step:
+        """A step with one finding more, unless it is a hint or ends at a bound."""
+        self.effects[finding.effect] = effect
+        if not finding.added:
+            self.refused.append(finding)
+            return step
         model = replace(step.model, effects=(*step.model.effects, effect))
         fit = self.fits.fitted(model, step, finding.coefficients, whole=False)
         check, why = check_of_bounds(finding.coefficients, fit)
         if not check.passed:
             self.refuse(finding, check, why)
             return step
-        if size := one.joint_size(effect.name, fit.coefficients):
+        if size := choice.joint_size(effect.name, fit.coefficients):
             model = replace(model, held={**model.held, **size})
             fit = self.fits.fitted(model, step, size, whole=False)
         self.steps[f"+{finding.effect}"] = fit
         self.findings.append(finding)
-        self.choices[finding.effect] = one
+        self.choices[finding.effect] = choice
         return fit
 
     def with_further(self, step: Step, this: Round, reported: Sequence[Choice]) -> Step:
@@ -310,11 +309,7 @@ class Search:
             fitted = float(np.sqrt(fall))
             finding = if_material(finding, best.score, fitted, least, limits)
             reported.append(one.as_first)
-            if finding.added:
-                self.effects[finding.effect] = effect
-                step = self.with_finding(step, finding, one)
-            else:
-                self.hints.append((finding, effect))
+            step = self.with_finding(step, finding, effect, one)
             further.closed |= self.closed_by(finding)
         return step
 
