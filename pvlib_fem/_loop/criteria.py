@@ -58,7 +58,8 @@ class Criteria:
         0.4 K of a contact sensor. The gain of a tracker's standstill counts on the days
         on which it stands. [K]
     min_error_share : float
-        The material gain as a share of the remaining mean square error. [-]
+        The material gain as a share of the mean square error of the model without
+        effects. [-]
     min_hint_reduction : float
         Gain from which an effect that was not added is reported as a hint. [K]
     min_probability : float
