@@ -292,8 +292,8 @@ class Search:
         They are chosen and weighed as those of the model, by lower criteria, so that
         one cause is one hint, whatever else may be it. What a second sensor or power
         shows is a hint of any gain. Those that pass the criteria of the model are in
-        it: another member of a choice may be reported than the one that was best, and
-        explain less of them.
+        it. There can be some: a choice may be reported as another member than the one
+        that was selected, which explained more of what others can.
         """
         limits, least = self.case.criteria, this.selection.least
         further = replace(this.selection, criteria=limits.for_hints)
