@@ -8,6 +8,7 @@ is computed from it, with causes that are known.
 """
 
 import argparse
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -219,7 +220,7 @@ def row(data, location, lit, module, cause, random):
         module=module,
         cause=cause.name,
         wrong=any(one.wrong for one in found),
-        misled=sum(not one.right for one in found),
+        misled=[one.effect for one in found if not one.right],
         sets=len(found),
         found=any(cause.truths & {*one.candidates} for one in added),
         before=float(errors["fem"]),
@@ -259,7 +260,7 @@ def counted(rows, key):
         cells = (
             str(len(some)),
             str(int(some["wrong"].sum())),
-            f"{int(some['misled'].sum())} of {int(some['sets'].sum())}",
+            f"{some['misled'].str.len().sum()} of {int(some['sets'].sum())}",
             f"{int(of_truth['found'].sum())} of {len(of_truth)}" if truth else "–",
             f"{some['before'].median():.2f}",
             f"{some['after'].median():.2f}",
@@ -280,7 +281,9 @@ def page(rows, periods):
         yield ""
     some = rows[rows["cause"].isin(CAUSES_WITH_TRUTH)]
     wrong, found = int(rows["wrong"].sum()), int(some["found"].sum())
-    misled, every = int(rows["misled"].sum()), int(rows["sets"].sum())
+    firsts = Counter(rows["misled"].sum())
+    misled, every = firsts.total(), int(rows["sets"].sum())
+    names = ", ".join(f"`{name}` {count}" for name, count in firsts.most_common())
     met = {True: "met", False: "**missed**"}
     yield (
         f"* A name is wrong in {wrong} of {len(rows)} records (at most "
@@ -288,7 +291,8 @@ def page(rows, periods):
         f"* A change of an instrument is in a set in {found} of {len(some)} (at least "
         f"{LEAST_FOUND:.0%}: {met[found >= LEAST_FOUND * len(some)]}).\n"
         f"* Sets without the truth are {misled} of {every} ({misled / every:.1%}; at "
-        f"most {MOST_MISLED:.0%}: {met[misled <= MOST_MISLED * every]})."
+        f"most {MOST_MISLED:.0%}: {met[misled <= MOST_MISLED * every]}). Their most "
+        f"probable causes, with the number of sets: {names or 'none'}."
     )
     yield OUTRO.rstrip("\n")
 

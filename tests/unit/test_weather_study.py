@@ -50,7 +50,7 @@ def test_a_name_that_neither_cause_nor_module_has_is_wrong():
             module="sapm",
             cause=CAUSES[1].name,
             wrong=bad,
-            misled=int(bad),
+            misled=["soiling"] * bad,
             sets=1,
             found=not bad,
             before=1.0,
@@ -62,3 +62,4 @@ def test_a_name_that_neither_cause_nor_module_has_is_wrong():
     text = "\n".join(study_weather.page(pd.DataFrame([right, wrong]), 1))
     assert "wrong in 1 of 2 records (at most 0.3%: **missed**)" in text
     assert "| sapm | 2 | 1 | 1 of 2 | 1 of 2 | 1.00 | 0.50 | 0.40 |" in text
+    assert text.count("with the number of sets: `soiling` 1.") == 1
