@@ -260,7 +260,7 @@ def counted(rows, key):
         cells = (
             str(len(some)),
             str(int(some["wrong"].sum())),
-            f"{some['misled'].str.len().sum()} of {int(some['sets'].sum())}",
+            f"{len(some['misled'].sum())} of {int(some['sets'].sum())}",
             f"{int(of_truth['found'].sum())} of {len(of_truth)}" if truth else "–",
             f"{some['before'].median():.2f}",
             f"{some['after'].median():.2f}",

@@ -320,9 +320,10 @@ class Search:
         Another candidate of one in the model may be there as well, but for changes,
         which share its dates.
         """
-        if finding.effect not in {one.effect for one in self.findings}:
+        choice = self.choices.get(finding.effect)
+        if choice is None:
             return frozenset(finding.candidates)
-        effects = self.choices[finding.effect].effects_of(finding.candidates)
+        effects = choice.effects_of(finding.candidates)
         changes = (one.name for one in effects if is_dated(one))
         return frozenset({*changes, finding.effect})
 

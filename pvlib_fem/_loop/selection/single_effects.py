@@ -429,9 +429,8 @@ class Selection:
         of the change on those dates. ``noise`` is the variance of the estimate without
         it.
         """
-        error = (ONE_FAULT * self.criteria.law_error) ** 2
         laws = {
-            Changed.from_effect(change.place, one.effect): error * square
+            Changed.from_effect(change.place, one.effect): self.law_variance * square
             for one, square in self.squares(given).items()
             if one.place != change.place and square > 0.0
         }
@@ -456,8 +455,12 @@ class Selection:
         of which weather and season show other parts. So it has a relative error, too,
         and part of that looks like a change from a date on.
         """
-        error = ONE_FAULT * self.criteria.law_error
-        return error**2 if effect.sensor_fault in INERTIA else 0.0
+        return self.law_variance if effect.sensor_fault in INERTIA else 0.0
+
+    @property
+    def law_variance(self) -> float:
+        """Relative variance of a law, by that part of its error that is one fault."""
+        return (ONE_FAULT * self.criteria.law_error) ** 2
 
     def squares(self, given: Sequence[Column]) -> dict[Changed, float]:
         """Sum of squares that each change among some columns explains."""
