@@ -171,6 +171,9 @@ class Effect:
     unseen_light : bool, default False
         Whether the irradiance sensor shows more or less light than the modules have.
         A reflection onto the modules looks the same.
+    geometric : bool, default False
+        Whether its law is the geometry of a plane or an obstacle, and thus exact: of a
+        true effect no residual remains along the position of the sun.
     imitable : bool, default False
         Whether other causes can have its law, although it has a driver of its own.
     """
@@ -197,6 +200,7 @@ class Effect:
     dates: Any = None
     unseen_light: bool = False
     imitable: bool = False
+    geometric: bool = False
 
     @property
     def forms(self) -> "tuple[Effect, ...]":

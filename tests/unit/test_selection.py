@@ -600,6 +600,35 @@ def test_a_law_has_no_residual_along_what_it_derives(dust):
         assert misfit > 0.7 and outside > 0.5
 
 
+@pytest.mark.parametrize("turned", [True, False])
+def test_geometry_has_no_residual_along_the_position_of_the_sun(turned):
+    """A sensor that stands further east; a charger that heats until nine o'clock."""
+    random, (days, hours) = np.random.default_rng(11), clock(300)
+    west = (hours - 12) * np.pi / 12  # hour angle
+    high = np.maximum(np.cos(west), 0.0)
+    beam = np.repeat(random.uniform(0.0, 1.0, 300), 24) * high
+    own = {
+        "poa_misalignment.tilt": -0.01 * beam * np.cos(west),
+        "poa_misalignment.azimuth": 0.01 * beam * np.sin(west),
+    }
+    charger = np.where((hours >= 6) & (hours < 9), 1.0, 0.0)
+    rest = 4.0 * (100.0 * own["poa_misalignment.azimuth"] if turned else charger * beam)
+    rest += noise(random, len(days))
+    columns = {"one": np.ones(len(days)), "beam": beam} | own
+    sun = {"solar_azimuth": 180.0 + np.degrees(west), "solar_zenith": 90.0 * (1 - high)}
+    made = design(rest, columns, days, hours, own=["poa_misalignment"], **sun)
+    selection, base = Selection(made, CRITERIA), [*made.base]
+    (one,) = (c for c in selection.candidates(base) if not c.effect.sensor_fault)
+    score = selection.score(one, base)
+    misfit = max(law_misfits(made, one, base, score.fall))
+    choice = weighed(selection, Choice(one, score), [])
+    outside = with_outside(made, choice, base, CRITERIA).probabilities[OUTSIDE]
+    if turned:
+        assert misfit < 0.2 and outside < 0.1
+    else:
+        assert misfit > 0.7 and outside > 0.5
+
+
 @pytest.mark.parametrize("hours_of_day", [(0, 24), (20, 24)])
 def test_a_sensor_that_has_changed_does_so_at_every_hour(hours_of_day):
     """An offset of 50 days; heat of the evenings of these days is no offset."""

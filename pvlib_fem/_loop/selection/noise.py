@@ -40,6 +40,7 @@ Means = Callable[[np.ndarray], np.ndarray]
 DIGITS = 9  # of a probability
 TINY = 1e-100  # density of what is as far as anything
 FAR = 0.35  # spread of the part of an effect that holds under other conditions
+POSITION = ("solar_azimuth", "solar_zenith")  # of the sun
 #: axes of the tables in which an effect has to have the same size
 PAIRS = (
     ("hour", "month"),
@@ -47,7 +48,7 @@ PAIRS = (
     ("poa_global", "wind_speed"),
     ("poa_global", "temp_air"),
     ("wind_speed", "temp_air"),
-    ("solar_azimuth", "solar_zenith"),
+    POSITION,
 )
 MOST_TABLES = 3  # of random effects
 ALIKE = 0.1  # of other causes, as alike as an effect whose law they would break
@@ -198,12 +199,13 @@ def law_misfits(
     Residual of a law along its own drivers, relative to what the best law explains.
 
     Roots of mean squares, along the measured drivers and along its own columns; of a
-    change, along the hours of the day; of a standstill, what its days have more than
-    other days. The residual of a law is no larger than its
-    relative error. That of an unknown cause, which follows the same drivers in another
-    shape, is as large as what it explains.
+    law of geometry, along the position of the sun; of a change, along the hours of the
+    day; of a standstill, what its days have more than other days. The residual of a law
+    is no larger than its relative error. That of an unknown cause, which follows the
+    same drivers in another shape, is as large as what it explains.
     """
-    if not fall > 0.0 or one.effect.confounder:
+    a_shape = one.effect.confounder and not one.effect.geometric
+    if a_shape or not fall > 0.0:
         return []
     rest = design.residual_given([*given, *one.beyond(given)])
     if one.effect.turns:
@@ -217,8 +219,11 @@ def law_misfits(
         columns = [derived[name] for name in drivers if name in derived]
         columns += map(design.values, one.columns) if mine else []
         axes += filter(None, (sorted_by("", column) for column in columns))
+        kinds: list[Kind] = [(axis,) for axis in axes]
+        if one.effect.geometric:
+            kinds.append(tuple(design.axes[n] for n in POSITION if n in design.axes))
         weeks = design.rows, design.weeks
-        tables = [Cells.from_axes((axis,), *weeks).table(rest) for axis in axes]
+        tables = [Cells.from_axes(kind, *weeks).table(rest) for kind in kinds if kind]
     # by a standard error less: no more than is sure
     sure = [t.variance * max(1.0 - 1.0 / max(t.errors, 1.0), 0.0) for t in tables]
     return [float(np.sqrt(variance / fall)) for variance in sure]

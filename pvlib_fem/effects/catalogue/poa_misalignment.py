@@ -40,6 +40,7 @@ EFFECT = Effect(
         "azimuth": Parameter(0.0, -20.0, 20.0, "°"),
     },
     confounder=True,
+    geometric=True,
     title="an irradiance sensor in another plane than the modules",
     decided_by="an inclinometer, or irradiance before and after noon on clear days",
     confused_with=(

@@ -114,6 +114,7 @@ def window_effect(windows: Sequence, sensor: bool = False) -> Effect:
         {"share": Parameter(0.0, *bounds, "-")},
         columns=(*lights, "solar_azimuth", "solar_zenith"),
         unseen_light=sensor,
+        geometric=True,
         title="shade on the modules or on the irradiance sensor",
         decided_by="a look at the horizon, or a photograph of it",
         settings={"windows": windows, "sensor": sensor},
