@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from pvlib_fem._loop.results.loop_result import Loop
 
 PATTERN = "unexplained pattern"
+UNKNOWN = "An unknown cause acts much like this one, and is more probable"
 MEASURE_STORE = (
     "Measure the temperature of what stores heat near the modules for hours, such as "
     "the roof, the ground or the cavity behind them"
@@ -50,7 +51,7 @@ REFLECTED = Clause(MODULES, "a surface nearby reflects light onto the modules")
 #: what a change may be that is there only while snow can lie
 SNOW_LAY = Clause(MODULES, "snow or ice altered the readings while it lay")
 STOWED = "modules whose trackers are stowed in wind look the same"
-HALF = 0.5  # of its days, on which modules stand out that do not stand with a sensor
+HALF = 0.5  # what is more is most of it, such as of days or of probability
 STUCK = "sensor_stuck"  # cause of a tracker's irradiance sensor that does not turn
 LEFT_OUT = "left out"  # verdict of what is not used
 #: what a statement has of its first clause
@@ -130,13 +131,19 @@ def finding_statement(finding: Finding, loop: "Loop") -> Statement:
     outside = OUTSIDE_WORDS
     # light that modules have and the sensor has not may also be more of theirs
     unseen = any(effect.unseen_light for effect in known)
-    if unseen and finding.probabilities.get(OUTSIDE, 0.0) >= LEAST:
+    unknown = finding.probabilities.get(OUTSIDE, 0.0)
+    if unseen and unknown >= LEAST:
         clauses, outside = [*clauses, REFLECTED], "a reflection"
+    device = " or ".join(dict.fromkeys(clause.device for clause in clauses))
+    text = finding_sentence(finding, clauses)
+    if unknown > HALF and finding.verdict is Verdict.HINT:
+        device = "unknown"
+        text = f"{UNKNOWN}: {text[:1].lower()}{text[1:]}"
     return Statement(
         cause=finding.effect,
-        device=" or ".join(dict.fromkeys(clause.device for clause in clauses)),
+        device=device,
         verdict=str(finding.verdict),
-        text=finding_sentence(finding, clauses),
+        text=text,
         action=action,
         certainty=certainty_of(finding, outside),
         gain=finding.gain,
