@@ -151,9 +151,8 @@ def rank_remaining(
         few = because(Reason.FEW_FITTING_DAYS, days=days, least=least)
         return table_of({}), findings, {effect.name: few for effect in case.wanted}
     selection, taken = this.selection, [f.effect for f in findings if f.added]
-    given = selection.given(this.choices)
-    names = [*taken, *this.names]
-    rows, failed = ranked(selection, this.evidence, given, case.days, names)
+    given = selection.given(search.in_model)
+    rows, failed = ranked(selection, this.evidence, given, case.days, taken)
     floor = selection.least
     shown = [*findings, *pattern_findings(tables, floor)]
     whole = search.start.error(case.fitting)

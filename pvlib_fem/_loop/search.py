@@ -357,12 +357,17 @@ class Search:
         """Changes that any reference shows, by name."""
         return with_best_odds(changes for _, changes in self.shown)
 
+    @property
+    def in_model(self) -> list[Choice]:
+        """Choices of the findings in the model, each with the reported cause."""
+        return [self.choices[finding.effect].as_first for finding in self.findings]
+
     def reference_faults(self, findings: Iterable[Finding]) -> list[str]:
         """Second sensors and plants that have changed, and not what they check."""
         if self.last is None:
             return []
         selection, coefficients = self.last.selection, self.last.coefficients
-        by_module = partial(alone, selection, given=selection.given(self.last.choices))
+        by_module = partial(alone, selection, given=selection.given(self.in_model))
         return [*reference_faults(by_module, coefficients, self.shown, findings)]
 
     def weighed(

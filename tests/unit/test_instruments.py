@@ -15,6 +15,7 @@ from test_effects import coefficients, model_with
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
 from pvlib_fem._findings import Verdict
+from pvlib_fem._loop.assemble import rank_remaining
 from pvlib_fem._loop.close import finished_search
 from pvlib_fem._loop.references.edge_weeks import of_its_dates
 from pvlib_fem._thermal.model import ThermalModel
@@ -489,6 +490,23 @@ def test_a_change_in_the_model_explains_what_it_did_before(half_a_year, name):
     steps = [*search.steps.values()][-1 - len(loop.effects) :]
     before, after = (one.error(search.case.fitting) ** 2 for one in steps[:2])
     assert search.last.choices[0].fall == pytest.approx(before - after, rel=0.2)
+
+
+def test_the_ranking_is_given_what_is_reported(half_a_year):
+    """Not the cause that was selected first, if another one is more probable."""
+    data, _ = with_change(half_a_year, "mounting_step", mounting_step=-0.05)
+    no_place = fem.drivers.checked_place(None)
+    how = dict(holdout=None, effects=None, fixed=None, criteria=fem.Criteria())
+    search, loop = finished_search(data, "faiman", no_place, None, **how)
+    (reported,) = loop.effects
+    (choice,) = search.choices.values()
+    other = next(n for n in choice.members if n != reported)
+    selected = replace(choice, top=choice.members[other], score=choice.scores[other])
+    for choices in (search.last.choices, (selected,)):
+        search.last = replace(search.last, choices=choices)
+        table, *_ = rank_remaining(search, [*loop.finding_objects], [])
+        pd.testing.assert_frame_equal(table, loop.ranking)
+        assert reported not in table.index and other in table.index
 
 
 @pytest.mark.parametrize("source", ["measured longwave", "humidity"])
