@@ -10,7 +10,7 @@ from pvlib_fem._converter import AnyFloat
 from pvlib_fem._former_names import fields_in_new_names
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.reasons import Because
+from pvlib_fem.reasons import Because, in_percent
 
 
 class Verdict(StrEnum):
@@ -29,26 +29,6 @@ LEAST = 0.01  # probability that is reported
 CORRECTED = "clock corrected"  # row of a table of errors
 PREDICTED = "+patterns"  # row of a table of errors, with the unexplained patterns
 ADDED = (Verdict.IDENTIFIED, Verdict.AMBIGUOUS)  # what enters the model
-
-
-def in_percent(probability: float) -> str:
-    """
-    Write a probability, which is never 0 or 100 % of what is estimated.
-
-    Parameters
-    ----------
-    probability : float
-        From 0 to 1.
-
-    Returns
-    -------
-    str
-        Such as 97 %, and > 99 % or < 1 % at the ends.
-    """
-    percent = round(100.0 * probability)
-    if percent == 100:
-        return "> 99 %"
-    return f"{percent} %" if percent else "< 1 %"
 
 
 class Kind(Enum):

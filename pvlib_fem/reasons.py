@@ -77,11 +77,11 @@ class Reason(Enum):
     UNSURE = "fitted with all others, {coefficient} is {value:.2g} ± {error:.2g}"
     OUTSIDE = (
         "the error follows these inputs, and not by this law under all conditions: a "
-        "cause outside the catalogue is more probable ({chance:.0%})"
+        "cause outside the catalogue is more probable ({chance})"
     )
     SNOW = (
         "only hours in which snow can lie show it, so that snow or ice is as "
-        "probable ({chance:.0%})"
+        "probable ({chance})"
     )
     LESS_ON_OWN_STEPS = (
         "on the record's own steps the error falls by {gain:.2f} K, in means by "
@@ -111,6 +111,33 @@ class Names(tuple):
 
     def __format__(self, words: str) -> str:
         return (words or ", ").join(map(str, self))
+
+
+class Chance(float):
+    """A probability in percent, never rounded to none or all."""
+
+    def __format__(self, digits: str) -> str:
+        return super().__format__(digits) if digits else in_percent(self)
+
+
+def in_percent(probability: float) -> str:
+    """
+    Write a probability, which is never 0 or 100 % of what is estimated.
+
+    Parameters
+    ----------
+    probability : float
+        From 0 to 1.
+
+    Returns
+    -------
+    str
+        Such as 97 %, and > 99 % or < 1 % at the ends.
+    """
+    percent = round(100.0 * probability)
+    if percent == 100:
+        return "> 99 %"
+    return f"{percent} %" if percent else "< 1 %"
 
 
 @dataclass(frozen=True)
@@ -192,6 +219,8 @@ def because(reason: Reason, /, **values: Any) -> Because:
     for name, value in values.items():
         if isinstance(value, (list, tuple)):
             values[name] = Names(value)
+        elif name == "chance":
+            values[name] = Chance(value)
     return Because(reason, values)
 
 

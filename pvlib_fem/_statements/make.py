@@ -17,7 +17,6 @@ from pvlib_fem._findings import (
     Kind,
     Member,
     Verdict,
-    in_percent,
 )
 from pvlib_fem._report import budget_text as budget, event_text as events
 from pvlib_fem._statements.causes import MODEL, MODULES, Clause, clause_of
@@ -30,6 +29,7 @@ from pvlib_fem.effects._standstill import in_words
 from pvlib_fem.effects._time_profiles import YEAR, date_text, day_number
 from pvlib_fem.quality._detached_sensor import DETACHED, Detachment
 from pvlib_fem.quality._tracker_standstill import Standing
+from pvlib_fem.reasons import in_percent
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.results.loop_result import Loop

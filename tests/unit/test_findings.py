@@ -19,13 +19,12 @@ from pvlib_fem._findings import (
     CrossCheck,
     Finding,
     Verdict,
-    in_percent,
 )
 from pvlib_fem._loop.results.conclude import member_of, why_not_in_model
 from pvlib_fem._loop.selection.choice import Choice
 from pvlib_fem._stored import as_json
 from pvlib_fem.effects import find
-from pvlib_fem.reasons import Reason, because, joined_reasons
+from pvlib_fem.reasons import Because, Reason, because, in_percent, joined_reasons
 
 PACKAGE = Path(pvlib_fem.__file__).parent
 
@@ -203,3 +202,10 @@ def test_a_cross_check_in_kelvin_has_the_sign_of_the_sensor():
     check = CrossCheck(*how, CheckOutcome.AGREES, "K")
     assert check.reads == "1.50 ± 0.20 K more"
     assert str(check).endswith("1.40 K more is expected")
+
+
+def test_a_reason_never_states_a_probability_of_100_percent():
+    why = because(Reason.OUTSIDE, chance=0.9974)
+    assert str(why).endswith("is more probable (> 99 %)")
+    assert str(Because.stored(why.content())) == str(why)
+    assert "is 94.9 %; 95 %" in str(because(Reason.NOT_SURE, chance=0.949, least=0.95))

@@ -68,7 +68,7 @@ def selected(
     Returns
     -------
     Selection, list of Choice
-        Before other choices are tried by :meth:`Selection.refined`.
+        Before other choices are tried by :func:`.refined`.
     """
     selection = Selection(design, criteria, closed, (), shown, likelihoods)
     choices = selection.run(placed_choices(design, begin, closed))
