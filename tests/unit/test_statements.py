@@ -25,7 +25,7 @@ from test_instruments import DATES
 
 import pvlib_fem as fem
 from pvlib_fem import simulator
-from pvlib_fem._findings import SNOW, Finding, Kind, Member, Verdict
+from pvlib_fem._findings import OUTSIDE, SNOW, Finding, Kind, Member, Verdict
 from pvlib_fem._statements.causes import READS, SPECIAL, clause_of, reading_of
 from pvlib_fem._statements.loop_summary import LINES, WIDTH, findings
 from pvlib_fem._statements.make import finding_statement, pattern_statement
@@ -198,6 +198,19 @@ def test_a_change_may_be_snow_that_has_melted(ambiguous):  # noqa: F811
     fitted = {**one.members, SNOW: Member({}, {}, {}, {})}
     covered = replace(one, candidates=(*one.candidates, SNOW), members=fitted)
     assert "covers the modules" in finding_statement(covered, loop).text
+
+
+def test_a_hint_that_is_probably_none_of_its_causes_names_no_device(ambiguous):  # noqa: F811
+    _, loop = ambiguous
+    one = loop.finding_objects[0]
+    named = finding_statement(replace(one, verdict=Verdict.HINT), loop)
+    for outside in (0.4, 0.6):
+        shares = {one.effect: 1.0 - outside, OUTSIDE: outside}
+        hint = replace(one, verdict=Verdict.HINT, probabilities=shares)
+        found = finding_statement(hint, loop)
+        unknown = found.text.startswith("An unknown cause acts much like this one")
+        assert unknown == (found.device == "unknown") == (outside > 0.5)
+        assert found.text.lower().endswith(named.text.lower())
 
 
 def test_findings_are_a_table_of_the_objects(ambiguous):  # noqa: F811
