@@ -272,9 +272,8 @@ def likelihoods(
 
     What is unknown follows other inputs, or the same drivers in another shape: one as
     often as the other. Of tables, and of misfits, the largest evidence against the law
-    counts.
-    How well laws fit is in the weights of the members, so that a misfit is compared
-    with that of something unknown alone.
+    counts. A misfit is evidence against this law, and not for something unknown against
+    other members, which may have none.
     """
     within = [
         (density(share - 1.0, np.hypot(s, law)), density(share, np.hypot(s, FAR)))
@@ -285,8 +284,10 @@ def likelihoods(
         min(seen, key=lambda pair: pair[0] / pair[1], default=(1.0 / law, 1.0 / law))
         for seen in (within, shapes)
     )
-    unknown = [other] * bool(within) + [inside * another / shape] * bool(shapes)
-    return law * inside, law * float(np.mean(unknown or [inside]))
+    against = another / shape
+    unknown = [other] * bool(within) + [inside * against] * bool(shapes)
+    scale = law / max(against, 1.0)
+    return scale * inside, scale * float(np.mean(unknown or [inside]))
 
 
 def density(distance: float, width: float) -> float:
