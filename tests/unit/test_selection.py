@@ -21,6 +21,7 @@ from pvlib_fem._loop.selection.dictionary import Candidate, all_candidates, log_
 from pvlib_fem._loop.selection.noise import (
     WithinCells,
     law_misfits,
+    likelihoods,
     prior_of,
     random_effects,
     remaining_shares,
@@ -627,6 +628,18 @@ def test_geometry_has_no_residual_along_the_position_of_the_sun(turned):
         assert misfit < 0.2 and outside < 0.1
     else:
         assert misfit > 0.7 and outside > 0.5
+
+
+@given(st.floats(0.0, 3.0), st.floats(0.5, 1.2))
+def test_a_misfit_is_evidence_against_the_law_that_has_it(misfit, share):
+    """Alone the odds are those of the misfit; of a rival it says nothing."""
+    law, sizes = 0.22, [(share, 0.05)]
+    tested, unknown = likelihoods(sizes, [misfit], law)
+    rival, _ = likelihoods(sizes, [], law)
+    assert tested <= rival * (1.0 + 1e-9)
+    assert unknown <= max(rival, likelihoods(sizes, [], law)[1]) * (1.0 + 1e-9)
+    more, less = (likelihoods(sizes, [one], law) for one in (misfit + 0.1, misfit))
+    assert more[1] / more[0] > less[1] / less[0]
 
 
 @pytest.mark.parametrize("hours_of_day", [(0, 24), (20, 24)])
