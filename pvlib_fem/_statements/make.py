@@ -136,7 +136,7 @@ def finding_statement(finding: Finding, loop: "Loop") -> Statement:
         clauses, outside = [*clauses, REFLECTED], "a reflection"
     device = " or ".join(dict.fromkeys(clause.device for clause in clauses))
     text = finding_sentence(finding, clauses)
-    if unknown > HALF and finding.verdict is Verdict.HINT:
+    if unknown > HALF and not unseen and finding.verdict is Verdict.HINT:
         device = "unknown"
         text = f"{UNKNOWN}: {text[:1].lower()}{text[1:]}"
     return Statement(

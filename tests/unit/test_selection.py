@@ -573,6 +573,16 @@ def test_what_stands_for_an_unknown_schedule_is_outside():
     assert choice.probabilities[OUTSIDE] > 0.5
 
 
+def doubted(made, name):
+    """Score and misfit of a candidate, and the probability of a cause outside."""
+    selection, base = Selection(made, CRITERIA), [*made.base]
+    (one,) = (c for c in selection.candidates(base) if c.name == name)
+    score = selection.score(one, base)
+    choice = weighed(selection, Choice(one, score), [])
+    outside = with_outside(made, choice, base, CRITERIA).probabilities[OUTSIDE]
+    return score, max(law_misfits(made, one, base, score.fall)), outside
+
+
 @pytest.mark.parametrize("dust", [True, False])
 def test_a_law_has_no_residual_along_what_it_derives(dust):
     """Dust gathers for as long as no rain falls; ground that is wet dries in a day."""
@@ -588,13 +598,8 @@ def test_a_law_has_no_residual_along_what_it_derives(dust):
     rest = 0.5 * sun * law + noise(random, len(days))
     made = design(rest, columns, days, hours, own=["soiling"])
     made = replace(made, derived={"days_since_rain": dry})
-    selection, base = Selection(made, CRITERIA), [*made.base]
-    (one,) = (c for c in selection.candidates(base) if c.name == "soiling")
-    score = selection.score(one, base)
+    score, misfit, outside = doubted(made, "soiling")
     assert score.probability > 0.95
-    misfit = max(law_misfits(made, one, base, score.fall))
-    choice = weighed(selection, Choice(one, score), [])
-    outside = with_outside(made, choice, base, CRITERIA).probabilities[OUTSIDE]
     if dust:
         assert misfit < 0.2 and outside < 0.1
     else:
@@ -618,12 +623,7 @@ def test_geometry_has_no_residual_along_the_position_of_the_sun(turned):
     columns = {"one": np.ones(len(days)), "beam": beam} | own
     sun = {"solar_azimuth": 180.0 + np.degrees(west), "solar_zenith": 90.0 * (1 - high)}
     made = design(rest, columns, days, hours, own=["poa_misalignment"], **sun)
-    selection, base = Selection(made, CRITERIA), [*made.base]
-    (one,) = (c for c in selection.candidates(base) if not c.effect.sensor_fault)
-    score = selection.score(one, base)
-    misfit = max(law_misfits(made, one, base, score.fall))
-    choice = weighed(selection, Choice(one, score), [])
-    outside = with_outside(made, choice, base, CRITERIA).probabilities[OUTSIDE]
+    _, misfit, outside = doubted(made, "poa_misalignment")
     if turned:
         assert misfit < 0.2 and outside < 0.1
     else:
@@ -635,9 +635,9 @@ def test_a_misfit_is_evidence_against_the_law_that_has_it(misfit, share):
     """Alone the odds are those of the misfit; of a rival it says nothing."""
     law, sizes = 0.22, [(share, 0.05)]
     tested, unknown = likelihoods(sizes, [misfit], law)
-    rival, _ = likelihoods(sizes, [], law)
-    assert tested <= rival * (1.0 + 1e-9)
-    assert unknown <= max(rival, likelihoods(sizes, [], law)[1]) * (1.0 + 1e-9)
+    rival = likelihoods(sizes, [], law)
+    assert tested <= rival[0] * (1.0 + 1e-9)
+    assert unknown <= max(rival) * (1.0 + 1e-9)
     more, less = (likelihoods(sizes, [one], law) for one in (misfit + 0.1, misfit))
     assert more[1] / more[0] > less[1] / less[0]
 

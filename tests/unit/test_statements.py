@@ -213,6 +213,23 @@ def test_a_hint_that_is_probably_none_of_its_causes_names_no_device(ambiguous): 
         assert found.text.lower().endswith(named.text.lower())
 
 
+def test_a_hint_of_a_reflection_is_of_no_unknown_cause(ambiguous):  # noqa: F811
+    """Of light that the sensor does not see, the reflection is the cause outside."""
+    _, loop = ambiguous
+    shade = replace(
+        loop.finding_objects[0],
+        effect="sensor_covered",
+        candidates=("sensor_covered",),
+        verdict=Verdict.HINT,
+        probabilities={OUTSIDE: 0.6, "sensor_covered": 0.4},
+        members={},
+    )
+    found = finding_statement(shade, loop)
+    assert found.device == "irradiance sensor or modules"
+    assert found.text.endswith("a surface nearby reflects light onto the modules")
+    assert "unknown" not in found.text
+
+
 def test_findings_are_a_table_of_the_objects(ambiguous):  # noqa: F811
     _, loop = ambiguous
     table, objects = loop.findings, loop.finding_objects
