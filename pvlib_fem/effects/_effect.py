@@ -241,7 +241,7 @@ class Effect:
         if mine := {name: others.pop(name) for name in own if name in others}:
             effect = effect.make(**mine)
         if taken := {name for form in effect.forms for name in form.constants}:
-            forms = tuple(form.with_constants(others) for form in effect.variants)
+            forms = tuple(form.made(**form.own(others)) for form in effect.variants)
             effect = replace(effect.with_constants(others), variants=forms)
         if unknown := [name for name in others if name not in taken]:
             there = sorted({*own, *taken, *(["source"] if self.variants else [])})
@@ -272,9 +272,13 @@ class Effect:
             source=source,
         )
 
+    def own(self, settings: Mapping[str, Any]) -> dict[str, Any]:
+        """Its own constants among some settings."""
+        return {k: v for k, v in settings.items() if k in self.constants}
+
     def with_constants(self, settings: Mapping[str, Any]) -> "Effect":
         """The effect with its own constants among some settings."""
-        given = {k: v for k, v in settings.items() if k in self.constants}
+        given = self.own(settings)
         if not given:
             return self
         for name, value in given.items():

@@ -19,7 +19,7 @@ from pvlib_fem._record.inputs import read
 from pvlib_fem._stored import VERSION
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
-from pvlib_fem.drivers import _water as water, derive_drivers
+from pvlib_fem.drivers import _water as water, derive_drivers, sun
 from pvlib_fem.effects import PHYSICS as EFFECTS, find
 from pvlib_fem.effects._effect import (
     Effect,
@@ -914,6 +914,27 @@ def test_the_record_decides_which_rain_cleans(plant, noise, rain):
     assert found == pytest.approx(-0.005, rel=0.1)
 
 
+@pytest.mark.parametrize("closed", [0.0, 0.4, 0.84])
+def test_the_record_decides_how_much_of_the_sky_clouds_close(noise, closed):
+    """From none, as in `pvlib.temperature.fuentes`, to all that low clouds do."""
+    site = fem.simulator.RHINE
+    weather = fem.simulator.record(site, {}, 60, 600.0, seed=3)[[*DRIVERS]]
+    location = pvlib.location.Location(site.latitude, site.longitude)
+    place = {"surface_tilt": 35.0, "surface_azimuth": 180.0}
+    angles = sun(weather.index, location).assign(**place)
+    sky = {"name": "sky_radiation", "source": "clouds of the day", "cloud_base": closed}
+    model = ThermalModel(STEADY_MODELS["faiman"], "balance", (find(sky),))
+    values = {**coefficients("balance"), "sky_radiation.share": 0.9}
+    module = model.predict(*(weather[n] for n in DRIVERS), values, **angles)
+    data = weather.assign(temp_module=module + noise(len(weather), 0.3))
+    loop = fem.close_loop(data, location=location, effects="sky_radiation", **place)
+    (effect,) = loop.fit.effects
+    assert effect.settings["source"] == "clouds of the day"
+    assert effect.settings["cloud_base"] == closed
+    found = loop.fit.coefficients["sky_radiation.share"]
+    assert found == pytest.approx(0.9, rel=0.1)
+
+
 def test_dirt_on_the_sensor_is_no_trend_of_it(monkeypatch):
     """In a dry season of two months a trend explains as much, and comes first."""
     monkeypatch.setattr(study_worlds, "SHIFT", 19310000)
@@ -1003,6 +1024,7 @@ def test_a_constant_by_name_alone_reaches_all_variants():
     assert [form.settings.get("cloud_base") for form in sky.variants] == [
         *(None, 0.7, 0.7, None, None)
     ]
+    assert not any(form.scan for form in sky.variants)  # which would set another
     assert sky.drivers == ("sky_deficit",)  # it takes none itself
 
 

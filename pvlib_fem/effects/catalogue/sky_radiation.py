@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from pvlib_fem.drivers import Driver
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
+from pvlib_fem.effects._windows import explained_alone
 
 
 def terms(sky_deficit: np.ndarray, *, share: float) -> Terms:
@@ -28,10 +30,47 @@ def terms(sky_deficit: np.ndarray, *, share: float) -> Terms:
     return Terms(heat=-share * sky_deficit)
 
 
+def of_clouds(cloud_base: float = 0.84, cloud_memory: float = 3.0) -> Effect:
+    """
+    The sky by air temperature and the clouds of the day.
+
+    Clouds close the share ``cloud_base`` of the deficit of a clear sky: 0.84 if they
+    are low [1]_, less the higher they are. They are seen by day, and forgotten with the
+    time constant ``cloud_memory``. [h] The scan takes the share that the record shows.
+
+    References
+    ----------
+    .. [1] M. H. Unsworth and J. L. Monteith, "Long-wave radiation at the ground. I.
+       Angular distribution of incoming radiation", Q. J. R. Meteorol. Soc. 101, 13
+       (1975), :doi:`10.1002/qj.49710142703`.
+    """
+    clouds = {"cloud_base": cloud_base, "cloud_memory": cloud_memory}
+    return FROM_CLOUDS.unscanned.made(**clouds)
+
+
+def all_clouds(*deficits: np.ndarray, **shares: float) -> Terms:
+    """Skies with clouds of each height."""
+    # a slope has one of them
+    taken = sum(size * one for one, size in zip(deficits, shares.values()) if size)
+    return Terms(heat=0.0 * deficits[0] - taken)
+
+
+def scan(
+    rest: np.ndarray, tangents: dict, columns: dict, weeks: np.ndarray, least: float
+) -> Effect:
+    """The sky whose clouds close the share of its deficit that fits best."""
+    keys = [f"sky_radiation.share_{i}" for i in range(len(CLOSED))]
+    explained = explained_alone(rest, tangents, keys)
+    return of_clouds(CLOSED[int(np.argmax(explained))])
+
+
+#: shares of the deficit that clouds may close, up to that of low ones
+CLOSED = (0.0, 0.2, 0.4, 0.6, 0.84)
+SHARE = Parameter(0.0, 0.0, 3.0, "-")
 MEASURED = Effect(
     "sky_radiation",
     terms,
-    {"share": Parameter(0.0, 0.0, 3.0, "-")},
+    {"share": SHARE},
     title="radiative heat loss to a cold sky",
     decided_by="a pyrgeometer",
     source="measured longwave",
@@ -46,8 +85,16 @@ MEASURED = Effect(
 )
 FROM_HUMIDITY = MEASURED.estimated("humidity", "sky_deficit_humid")
 FROM_MOISTURE = MEASURED.estimated("humidity, without clouds", "sky_deficit_moist")
-FROM_CLOUDS = MEASURED.estimated(
-    "clouds of the day", "sky_deficit_clouds", confounder=True
+FROM_CLOUDS = replace(
+    MEASURED.estimated("clouds of the day", "sky_deficit_clouds", confounder=True),
+    make=of_clouds,
+    scan=scan,
+    scanned_from=Effect(
+        "sky_radiation",
+        all_clouds,
+        {f"share_{i}": SHARE for i in range(len(CLOSED))},
+        columns=tuple(Driver("sky_deficit_clouds", cloud_base=c) for c in CLOSED),
+    ),
 )
 FROM_AIR = MEASURED.estimated(
     "air temperature alone", "sky_deficit_air", confounder=True
