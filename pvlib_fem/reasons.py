@@ -55,6 +55,7 @@ class Reason(Enum):
     NO_DATE = "the remaining error shows no date at which it begins"
     NO_WINDOW = "the remaining error follows no obstacle in front of the sun"
     NO_STANDSTILL = "the remaining error shows no days on which the tracker is stuck"
+    NO_STORAGE = "the remaining error follows no mass that stores heat"
     NO_AXIS = "the plane of the modules does not turn about an axis"
     STAND_IN = "no {columns: or }: only an estimate from the usual inputs was tried"
     DETECTABLE = "this record shows it only from {gain:.2g} K on"

@@ -296,12 +296,31 @@ def explained_alone(
         Reduction of the sum of squares, negative for a tangent with a negative
         coefficient; 0 for one without response. [K²]
     """
-    mine = np.column_stack([tangents[name] for name in names])
-    # the others are no longer in the residual
-    basis = orthonormal([c for name, c in tangents.items() if name not in names])
-    mine = mine - basis @ (basis.T @ mine)
+    mine = beyond_others(tangents, names)
     along = rest @ mine
     return along * np.abs(along) / (np.square(mine).sum(axis=0) + TINY)
+
+
+def beyond_others(
+    tangents: Mapping[str, np.ndarray], names: Sequence[str]
+) -> np.ndarray:
+    """
+    What of some tangents no other one explains, as in a residual without the others.
+
+    Parameters
+    ----------
+    tangents : dict of array, shape (rows,)
+        By name.
+    names : sequence of str
+        Of some of them.
+
+    Returns
+    -------
+    array, shape (rows, names)
+    """
+    mine = np.column_stack([tangents[name] for name in names])
+    basis = orthonormal([c for name, c in tangents.items() if name not in names])
+    return mine - basis @ (basis.T @ mine)
 
 
 def orthonormal(columns: list, rows: Any = slice(None)) -> np.ndarray:

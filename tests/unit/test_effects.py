@@ -28,6 +28,7 @@ from pvlib_fem.effects._effect import (
     Terms,
     linearised,
 )
+from pvlib_fem.reasons import Reason
 
 #: planted coefficients, of the size that is found outdoors
 PLANTED = {
@@ -933,6 +934,40 @@ def test_the_record_decides_how_much_of_the_sky_clouds_close(noise, closed):
     assert effect.settings["cloud_base"] == closed
     found = loop.fit.coefficients["sky_radiation.share"]
     assert found == pytest.approx(0.9, rel=0.1)
+
+
+def stored(noise, **sizes):
+    """The loop for thermal storage, of a module with these parts of it."""
+    weather = fem.simulator.record(fem.simulator.RHINE, {}, 60, 600.0, seed=3)
+    model = ThermalModel(STEADY_MODELS["faiman"], "balance", (find("thermal_storage"),))
+    parts = dict.fromkeys(model.effects[0].rows(), 0.0)
+    parts |= {f"thermal_storage.{name}": size for name, size in sizes.items()}
+    usual = [weather[n] for n in DRIVERS]
+    module = model.predict(*usual, coefficients("balance") | parts)
+    data = weather[[*DRIVERS]].assign(temp_module=module + noise(len(weather), 0.3))
+    return fem.close_loop(data, effects="thermal_storage")
+
+
+def test_a_mass_has_the_parts_that_the_record_shows(noise):
+    loop = stored(noise, hour=0.2, air=6.0)
+    (effect,) = loop.fit.effects
+    found = {key: loop.fit.coefficients[key] for key in effect.rows()}
+    assert {"hour", "air"} <= {*effect.settings["parts"]}
+    assert min(found.values()) > 0.0
+    assert found["thermal_storage.hour"] == pytest.approx(0.2, abs=0.03)
+    assert found["thermal_storage.air"] == pytest.approx(6.0, rel=0.2)
+    assert find(effect.spec).spec == effect.spec
+
+
+def test_no_mass_takes_back_what_it_gave(noise):
+    loop = stored(noise, hour=-0.05, three_hours=-0.05, air=-4.0)
+    assert not loop.effects
+    assert loop.untestable["thermal_storage"].reason is Reason.NO_STORAGE
+
+
+def test_an_unknown_part_of_a_mass_is_refused():
+    with pytest.raises(ValueError, match=r"no part .hours. .did you mean .hour."):
+        find({"name": "thermal_storage", "parts": ("hours", "air")})
 
 
 def test_dirt_on_the_sensor_is_no_trend_of_it(monkeypatch):

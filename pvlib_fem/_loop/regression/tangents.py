@@ -3,6 +3,7 @@
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from itertools import groupby
 from typing import Any, Self
 
 import numpy as np
@@ -174,18 +175,21 @@ def gather_evidence(
             changing += [(time_profile, column) for time_profile in one.time_profiles]
         else:
             evidence = evidence.with_effect(one.wide, own, known)
-    unlocated = evidence
-    for scan, wide, own, known in scanned:
-        narrow = located_effect(
-            unlocated, scan, own, known, inputs, wide.drivers, least
-        )
-        narrow = narrow or located.get(wide.name)
-        if narrow is None:
-            failed[wide.name] = because(wide.not_found)
-            continue
-        there = replace(model, effects=(narrow,)).with_drivers(inputs)
-        for _, own in tangents([Tried(narrow)], failed, there, at):
-            evidence = evidence.with_effect(narrow, own, known)
+    # an obstacle is searched for given all functions of the usual inputs
+    scanned.sort(key=lambda one: not one[1].confounder)
+    for _, some in groupby(scanned, key=lambda one: one[1].confounder):
+        unlocated = evidence
+        for scan, wide, own, known in some:
+            narrow = located_effect(
+                unlocated, scan, own, known, inputs, wide.drivers, least
+            )
+            narrow = narrow or located.get(wide.name)
+            if narrow is None:
+                failed[wide.name] = because(wide.not_found)
+                continue
+            there = replace(model, effects=(narrow,)).with_drivers(inputs)
+            for _, own in tangents([Tried(narrow)], failed, there, at):
+                evidence = evidence.with_effect(narrow, own, known)
     secants = {}
     for effect in changes:
         column = next(
