@@ -257,7 +257,9 @@ def ready_effects(
             if effect.prepare:
                 dated = derive_drivers(inputs, ["day"])
                 effect = effect.prepare(dated.columns, seen)
-            wide = effect.scanned_from or effect
+            wide = effect
+            if effect.scanned_from:
+                wide = replace(effect.scanned_from, confounder=effect.confounder)
             key = wide.terms if effect.dates else effect.name
             if effect.dates and key in tried:
                 time_profiles = (*tried[key].time_profiles, effect)

@@ -75,7 +75,6 @@ EFFECT = Effect(
         "ground_or_water",
         every_memory,
         {f"exchange_{i}": EXCHANGE for i in range(len(MEMORIES))},
-        confounder=True,
         columns=(
             "temp_air",
             *(Driver("air_of_weeks", memory=days) for days in MEMORIES),

@@ -93,7 +93,6 @@ FROM_CLOUDS = replace(
         "sky_radiation",
         all_clouds,
         {f"share_{i}": SHARE for i in range(len(CLOSED))},
-        confounder=True,
         columns=tuple(Driver("sky_deficit_clouds", cloud_base=c) for c in CLOSED),
     ),
 )
