@@ -179,10 +179,10 @@ if data is not None:
 # %%
 # *Left: normalized energy by the quarter, over its median of 2011. Right: its rate by
 # RdTools.* By the sensor as measured the plant gains 1.8 % a year (1.6 to 2.0), which
-# none does. By the corrected sensor the rate is 0.0 % a year (−0.2 to +0.2): the
+# none does. By the corrected sensor the rate is 0.0 % a year (−0.2 to +0.1): the
 # correction changes the rate by 1.8 % a year. The clear-sky workflow gives 0.0 % a year
 # (−0.4 to +0.5) with the sensor as measured and 0.0 (−0.4 to +0.5) with the corrected
-# one: it changes the rate by 1.8 % a year. The two changes differ by 0.1 % a year. They
+# one: it changes the rate by 1.8 % a year. The two changes differ by 0.0 % a year. They
 # are not quite independent, since a clear sky has a part in the size of the drift.
 #
 # How sure is that?
@@ -202,7 +202,7 @@ if data is not None:
         print(f"drift of {100 * size:.2f} % a year: rate {ends[name]:+.2f} % a year")
 
 # %%
-# The corrected rate is then between −0.5 and +0.5 % a year.
+# The corrected rate is then between −0.5 and +0.4 % a year.
 #
 # The file does not say whether its hours are named by their begin, their middle or
 # their end. Above it is the middle. The others turn the plane that the light has, and
@@ -223,7 +223,7 @@ if data is not None:
 # %%
 # Named by their end, the clear-sky workflow gives +0.2 % a year (−0.2 to +0.6) with the
 # sensor as measured and −0.1 (−0.6 to +0.4) with the corrected one; named by their
-# begin +0.5 (+0.1 to +0.8) and 0.0 (−0.5 to +0.5). So its choice of clear hours by the
+# begin +0.5 (+0.1 to +0.8) and 0.0 (−0.5 to +0.6). So its choice of clear hours by the
 # fading sensor is worth up to 0.5 % a year. With the corrected sensor its interval
 # holds the corrected rate, 0.0 % a year, for each name of the hours.
 #
@@ -238,8 +238,8 @@ if data is not None:
 
 # %%
 # In these years the sensor as measured shows a gain of 0.6 % a year (0.3 to 0.7), the
-# corrected one a loss of 1.0 (0.8 to 1.2), and the clear sky a loss of 0.7 (0.1 to 1.5)
-# or, with the corrected sensor, of 0.9 (0.2 to 1.7).
+# corrected one a loss of 1.0 (0.8 to 1.3), and the clear sky a loss of 0.7 (0.2 to 1.5)
+# or, with the corrected sensor, of 0.9 (0.3 to 1.7).
 #
 # What a drifting pyranometer does to a loss rate
 # -----------------------------------------------
