@@ -968,6 +968,14 @@ def test_no_mass_takes_back_what_it_gave(noise):
 def test_an_unknown_part_of_a_mass_is_refused():
     with pytest.raises(ValueError, match=r"no part .hours. .did you mean .hour."):
         find({"name": "thermal_storage", "parts": ("hours", "air")})
+    with pytest.raises(ValueError, match="needs a part; it has hour, three_hours, air"):
+        find({"name": "thermal_storage", "parts": ()})
+
+
+def test_a_mass_may_have_one_part():
+    alone = find({"name": "thermal_storage", "parts": "air"})
+    assert [*alone.rows()] == ["thermal_storage.air"]
+    assert find(alone.spec).spec == alone.spec
 
 
 def test_dirt_on_the_sensor_is_no_trend_of_it(monkeypatch):

@@ -53,8 +53,11 @@ PARTS = {
 }
 
 
-def of_parts(parts: Sequence[str] = tuple(PARTS)) -> Effect:
-    """The effect with some of its parts."""
+def of_parts(parts: str | Sequence[str] = tuple(PARTS)) -> Effect:
+    """The effect with one or some of its parts."""
+    parts = (parts,) if isinstance(parts, str) else parts
+    if not parts:
+        raise ValueError(f"thermal_storage needs a part; it has {', '.join(PARTS)}")
     if unknown := [name for name in parts if name not in PARTS]:
         raise ValueError(
             f"thermal_storage has no part {', '.join(map(repr, unknown))}"
