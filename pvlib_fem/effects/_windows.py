@@ -275,30 +275,49 @@ def of_pairs(strip: np.ndarray, there: np.ndarray, weigh: Callable) -> np.ndarra
     return np.triu(weigh(product, square, squares - 2.0 * also.T @ known), 1)
 
 
-def explained_alone(
-    rest: np.ndarray, tangents: Mapping[str, np.ndarray], names: Sequence[str]
-) -> np.ndarray:
+def best_setting(
+    rest: np.ndarray,
+    tangents: dict,
+    columns: dict,
+    weeks: np.ndarray,
+    least: float,
+    *,
+    parameter: str,
+    settings: Sequence[Mapping[str, Any]],
+    make: Callable,
+    either_sign: bool = False,
+) -> Any:
     """
-    What each of some tangents explains of a residual, with its sign.
+    Find which of several settings of an effect explains most of a residual.
 
     Parameters
     ----------
-    rest : array, shape (rows,)
-        Residual, without the other tangents. [K]
-    tangents : dict of array, shape (rows,)
-        By name.
-    names : sequence of str
-        Of the tangents that are compared.
+    rest : array
+        Residual of a fit. [K]
+    tangents : dict of array
+        Responses of the temperature to the effect with each setting, and to all fitted
+        coefficients. [K]
+    columns : mapping
+    weeks : array of int
+    least : float
+    parameter : str
+        Name of those of the effect, without their number.
+    settings : sequence of dict
+    make : callable
+        From a setting, by keyword, to the effect.
+    either_sign : bool, default False
+        Whether a negative coefficient is possible, too.
 
     Returns
     -------
-    array, shape (names,)
-        Reduction of the sum of squares, negative for a tangent with a negative
-        coefficient; 0 for one without response. [K²]
+    Effect
     """
+    names = [f"{parameter}_{i}" for i in range(len(settings))]
     mine = beyond_others(tangents, names)
     along = rest @ mine
-    return along * np.abs(along) / (np.square(mine).sum(axis=0) + TINY)
+    explained = along * np.abs(along) / (np.square(mine).sum(axis=0) + TINY)
+    explained = np.abs(explained) if either_sign else explained
+    return make(**settings[int(np.argmax(explained))])
 
 
 def beyond_others(

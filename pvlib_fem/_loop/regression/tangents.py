@@ -3,7 +3,6 @@
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from itertools import groupby
 from typing import Any, Self
 
 import numpy as np
@@ -176,10 +175,11 @@ def gather_evidence(
         else:
             evidence = evidence.with_effect(one.wide, own, known)
     # an obstacle is searched for given all functions of the usual inputs
-    scanned.sort(key=lambda one: not one[1].confounder)
-    for _, some in groupby(scanned, key=lambda one: one[1].confounder):
+    for shapes in (True, False):
         unlocated = evidence
-        for scan, wide, own, known in some:
+        for scan, wide, own, known in scanned:
+            if wide.confounder is not shapes:
+                continue
             narrow = located_effect(
                 unlocated, scan, own, known, inputs, wide.drivers, least
             )

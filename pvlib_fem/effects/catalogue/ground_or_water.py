@@ -1,10 +1,12 @@
 """Ground or water near the modules that follows the air by days or weeks."""
 
+from functools import partial
+
 import numpy as np
 
 from pvlib_fem.drivers import Driver
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
-from pvlib_fem.effects._windows import explained_alone
+from pvlib_fem.effects._windows import best_setting
 
 
 def terms(temp_air: np.ndarray, air_of_weeks: np.ndarray, *, exchange: float) -> Terms:
@@ -44,15 +46,6 @@ def every_memory(temp_air: np.ndarray, *means: np.ndarray, **exchange: float) ->
     return Terms(heat=flows + 0.0 * temp_air)
 
 
-def scan(
-    rest: np.ndarray, tangents: dict, columns: dict, weeks: np.ndarray, least: float
-) -> Effect:
-    """The effect with the time constant that fits the residual best."""
-    keys = [f"ground_or_water.exchange_{i}" for i in range(len(MEMORIES))]
-    explained = explained_alone(rest, tangents, keys)
-    return of_memory(MEMORIES[int(np.argmax(explained))])
-
-
 MEMORIES = (4.0, 8.0, 16.0, 32.0)  # days
 EXCHANGE = Parameter(0.0, 0.0, 20.0, "W/(m² K)")
 EFFECT = Effect(
@@ -70,7 +63,12 @@ EFFECT = Effect(
         "an offset of a thermometer that drifts",
     ),
     make=of_memory,
-    scan=scan,
+    scan=partial(
+        best_setting,
+        parameter="ground_or_water.exchange",
+        settings=[{"memory": days} for days in MEMORIES],
+        make=of_memory,
+    ),
     scanned_from=Effect(
         "ground_or_water",
         every_memory,

@@ -1,12 +1,13 @@
 """Longwave loss to a sky that is colder than the air."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from pvlib_fem.drivers import Driver
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
-from pvlib_fem.effects._windows import explained_alone
+from pvlib_fem.effects._windows import best_setting
 
 
 def terms(sky_deficit: np.ndarray, *, share: float) -> Terms:
@@ -55,15 +56,6 @@ def all_clouds(*deficits: np.ndarray, **shares: float) -> Terms:
     return Terms(heat=0.0 * deficits[0] - taken)
 
 
-def scan(
-    rest: np.ndarray, tangents: dict, columns: dict, weeks: np.ndarray, least: float
-) -> Effect:
-    """The sky whose clouds close the share of its deficit that fits best."""
-    keys = [f"sky_radiation.share_{i}" for i in range(len(CLOSED))]
-    explained = explained_alone(rest, tangents, keys)
-    return of_clouds(CLOSED[int(np.argmax(explained))])
-
-
 #: shares of the deficit that clouds may close, up to that of low ones
 CLOSED = (0.0, 0.2, 0.4, 0.6, 0.84)
 SHARE = Parameter(0.0, 0.0, 3.0, "-")
@@ -88,7 +80,12 @@ FROM_MOISTURE = MEASURED.estimated("humidity, without clouds", "sky_deficit_mois
 FROM_CLOUDS = replace(
     MEASURED.estimated("clouds of the day", "sky_deficit_clouds", confounder=True),
     make=of_clouds,
-    scan=scan,
+    scan=partial(
+        best_setting,
+        parameter="sky_radiation.share",
+        settings=[{"cloud_base": closed} for closed in CLOSED],
+        make=of_clouds,
+    ),
     scanned_from=Effect(
         "sky_radiation",
         all_clouds,

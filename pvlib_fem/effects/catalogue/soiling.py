@@ -1,10 +1,12 @@
 """Soiling between rains, of the module or of the irradiance sensor."""
 
+from functools import partial
+
 import numpy as np
 
 from pvlib_fem.drivers import Driver
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
-from pvlib_fem.effects._windows import explained_alone
+from pvlib_fem.effects._windows import best_setting
 
 
 def terms(
@@ -62,15 +64,6 @@ def every_rain(
     return Terms(heat=poa_global * (even + gathered))
 
 
-def scan(
-    rest: np.ndarray, tangents: dict, columns: dict, weeks: np.ndarray, least: float
-) -> Effect:
-    """The effect with the rain that cleans whose soiling fits the residual best."""
-    keys = [f"soiling.per_day_{i}" for i in range(len(RAINS))]
-    explained = np.abs(explained_alone(rest, tangents, keys))
-    return soiling_by_rain(**RAINS[int(np.argmax(explained))])
-
-
 #: amounts of rain that may clean [mm]
 AMOUNTS = (1.0, 2.0, 3.0, 4.5, 6.0, 8.0)
 #: hours in which it falls, and days after it without dust: the hour of Coello and
@@ -98,7 +91,13 @@ EFFECT = Effect(
     ),
     imitable=True,  # ground dries, and gets warmer, by the time since rain
     make=soiling_by_rain,
-    scan=scan,
+    scan=partial(
+        best_setting,
+        parameter="soiling.per_day",
+        settings=RAINS,
+        make=soiling_by_rain,
+        either_sign=True,
+    ),
     scanned_from=Effect(
         "soiling",
         every_rain,
