@@ -243,7 +243,7 @@ def settings(effect):
         yield f"In the loop: {summary[:1].lower()}{summary[1:]}"
         yield ""
     if effect.scan:
-        summary = words(effect.scan)[0]
+        summary = words(getattr(effect.scan, "func", effect.scan))[0]
         yield f"In the loop a scan looks for {summary[:1].lower()}{summary[1:]}"
         yield ""
 

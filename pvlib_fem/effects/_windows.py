@@ -288,7 +288,7 @@ def best_setting(
     either_sign: bool = False,
 ) -> Any:
     """
-    Find which of several settings of an effect explains most of a residual.
+    The effect with that of several settings which explains most of a residual.
 
     Parameters
     ----------

@@ -133,7 +133,7 @@ def scan(
     rest: np.ndarray, tangents: dict, columns: dict, weeks: np.ndarray, least: float
 ) -> Any:
     """
-    Find windows of the sky in which the residual is proportional to the beam.
+    Windows of the sky in which the residual is proportional to the beam.
 
     The obstacle is in front of the module or of the sensor, whichever explains more of
     the residual. The solar position is averaged over the time constant of the module,
