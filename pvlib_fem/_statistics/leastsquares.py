@@ -1,4 +1,4 @@
-"""Bounded nonlinear least squares on an exact Jacobian."""
+"""Bounded nonlinear least squares on an exact Jacobian; products of columns."""
 
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
@@ -11,6 +11,7 @@ STEPS = 60  # Gauss-Newton steps before the search gives up
 MOST_TAKEN = 2.0 / 3.0  # of a positive variable in one step
 HALVINGS = 12
 STACKED = 8  # blocks of columns that are stacked at a time
+DEPENDENT = 1e-6  # relative size of the independent part of a column that has none
 BLOCK = 200_000  # multiplications of a product below which BLAS uses one thread
 DONE = 1e-9  # relative step that ends the search
 FLAT = 1e-13  # relative decrease of the cost that ends it: seven digits of x, or more
@@ -213,3 +214,30 @@ def products(columns: list, rows: Any = slice(None)) -> np.ndarray:
             # multiply by a copy: BLAS uses threads for a matrix times itself
             total += one @ np.ascontiguousarray(one.T)
     return total
+
+
+def orthonormal(columns: list, rows: Any = slice(None)) -> np.ndarray:
+    """
+    Some rows of an orthonormal basis of the span of columns.
+
+    Parameters
+    ----------
+    columns : list of array, shape (all rows,)
+    rows : slice or array of int, optional
+        Rows to return, by default all. The columns are orthonormal over all rows.
+
+    Returns
+    -------
+    array, shape (rows, rank)
+        Columns that depend on others within rounding errors add none.
+    """
+    # from the small matrix of their products, in one pass over the rows
+    total = products(columns)
+    sizes = np.sqrt(np.diag(total))
+    there = np.flatnonzero(sizes > 0)
+    total = total[np.ix_(there, there)] / np.outer(sizes[there], sizes[there])
+    squares, turns = np.linalg.eigh(total)
+    kept = squares > DEPENDENT**2 * squares[-1]
+    some = np.array([columns[place][rows] for place in there])
+    some /= sizes[there][:, None]
+    return ((turns[:, kept] / np.sqrt(squares[kept])).T @ some).T

@@ -21,9 +21,9 @@ from scipy.stats import t as student
 
 from pvlib_fem._record.checks import instants, usual_step
 from pvlib_fem._statistics.clusters import FEWEST_DAYS, cluster_sums
+from pvlib_fem._statistics.leastsquares import orthonormal
 from pvlib_fem._thermal_parameters.given_record import Measured
 from pvlib_fem._thermal_parameters.parameter_rows import LEVEL, Row
-from pvlib_fem.effects._windows import orthonormal
 
 HEAVIEST = 20.0  # kg/m², mass at which the rate is zero in still air
 WINDOW = 1200.0  # s, window of Prilliman's mean

@@ -6,7 +6,7 @@ starts with the best rectangle. It then adds or cuts the best further rectangle 
 as that reduces the error enough.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -14,10 +14,8 @@ from typing import Any
 import numpy as np
 
 from pvlib_fem._statistics.extremes import ALIKE, as_normal, rounded_argmax
-from pvlib_fem._statistics.leastsquares import products
 from pvlib_fem._statistics.weekly_sums import effective_number
 
-TINY = 1e-12  # K², of a column without any response
 UNSEEN = 1e-6  # of a column's square; a smaller independent part counts as zero
 BLOCK = (5.0, 10.0)  # ° of elevation and azimuth of the rectangle that starts a search
 STARTS = 5  # number of starts
@@ -49,7 +47,8 @@ def find_windows(
     tangent : array
         Response of the temperature to the loss of all beam. [K]
     basis : array
-        Rows by columns: :func:`orthonormal` of the tangents of all fitted coefficients.
+        Rows by columns: an orthonormal basis of the tangents of all fitted
+        coefficients.
     sun : (array, array)
         Azimuth and elevation of the sun whose beam is in the temperature. [°]
     weeks : array of int
@@ -273,100 +272,6 @@ def of_pairs(strip: np.ndarray, there: np.ndarray, weigh: Callable) -> np.ndarra
     known, also = end[2:], strip[2:]
     squares = (also**2).sum(axis=0)[:, None] + (known**2).sum(axis=0)
     return np.triu(weigh(product, square, squares - 2.0 * also.T @ known), 1)
-
-
-def best_setting(
-    rest: np.ndarray,
-    tangents: dict,
-    columns: dict,
-    weeks: np.ndarray,
-    least: float,
-    *,
-    parameter: str,
-    settings: Sequence[Mapping[str, Any]],
-    make: Callable,
-    either_sign: bool = False,
-) -> Any:
-    """
-    The effect with that of several settings which explains most of a residual.
-
-    Parameters
-    ----------
-    rest : array
-        Residual of a fit. [K]
-    tangents : dict of array
-        Responses of the temperature to the effect with each setting, and to all fitted
-        coefficients. [K]
-    columns : mapping
-    weeks : array of int
-    least : float
-    parameter : str
-        Name of those of the effect, without their number.
-    settings : sequence of dict
-    make : callable
-        From a setting, by keyword, to the effect.
-    either_sign : bool, default False
-        Whether a negative coefficient is possible, too.
-
-    Returns
-    -------
-    Effect
-    """
-    names = [f"{parameter}_{i}" for i in range(len(settings))]
-    mine = beyond_others(tangents, names)
-    along = rest @ mine
-    explained = along * np.abs(along) / (np.square(mine).sum(axis=0) + TINY)
-    explained = np.abs(explained) if either_sign else explained
-    return make(**settings[int(np.argmax(explained))])
-
-
-def beyond_others(
-    tangents: Mapping[str, np.ndarray], names: Sequence[str]
-) -> np.ndarray:
-    """
-    What of some tangents no other one explains, as in a residual without the others.
-
-    Parameters
-    ----------
-    tangents : dict of array, shape (rows,)
-        By name.
-    names : sequence of str
-        Of some of them.
-
-    Returns
-    -------
-    array, shape (rows, names)
-    """
-    mine = np.column_stack([tangents[name] for name in names])
-    basis = orthonormal([c for name, c in tangents.items() if name not in names])
-    return mine - basis @ (basis.T @ mine)
-
-
-def orthonormal(columns: list, rows: Any = slice(None)) -> np.ndarray:
-    """
-    Some rows of an orthonormal basis of the span of columns.
-
-    Parameters
-    ----------
-    columns : list of array, shape (all rows,)
-    rows : slice or array of int, optional
-        Rows to return, by default all. The columns are orthonormal over all rows.
-
-    Returns
-    -------
-    array, shape (rows, rank)
-        Columns that depend on others within rounding errors add none.
-    """
-    # from the small matrix of their products, in one pass over the rows
-    total = products(columns)
-    sizes = np.sqrt(np.diag(total))
-    there = np.flatnonzero(sizes > 0)
-    total = total[np.ix_(there, there)] / np.outer(sizes[there], sizes[there])
-    squares, turns = np.linalg.eigh(total)
-    kept = squares > UNSEEN**2 * squares[-1]
-    some = np.array([columns[place][rows] for place in there])
-    some /= sizes[there][:, None]
-    return ((turns[:, kept] / np.sqrt(squares[kept])).T @ some).T
 
 
 def certainty(

@@ -6,9 +6,10 @@ import pytest
 from pvlib.location import Location
 
 from pvlib_fem._statistics.extremes import rounded_argmax
+from pvlib_fem._statistics.leastsquares import orthonormal
 from pvlib_fem.drivers import sun
 from pvlib_fem.effects import _windows as windows
-from pvlib_fem.effects._windows import find_windows, orthonormal
+from pvlib_fem.effects._windows import find_windows
 from pvlib_fem.effects.catalogue.shading import within_any
 
 LEAST = 0.1  # K, that each window has to take

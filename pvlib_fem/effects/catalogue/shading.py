@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from pvlib_fem._statistics.leastsquares import orthonormal
 from pvlib_fem.drivers._solar import beam_around
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
-from pvlib_fem.effects._windows import find_windows, orthonormal
+from pvlib_fem.effects._windows import find_windows
 
 FAINT = 1e-3  # of the largest response to a clear sky; below it there is no sun
 

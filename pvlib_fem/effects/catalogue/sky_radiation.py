@@ -7,7 +7,7 @@ import numpy as np
 
 from pvlib_fem.drivers import Driver
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
-from pvlib_fem.effects._windows import best_setting
+from pvlib_fem.effects._scans import best_setting
 
 
 def terms(sky_deficit: np.ndarray, *, share: float) -> Terms:

@@ -8,7 +8,7 @@ from scipy.optimize import nnls
 
 from pvlib_fem._spelling import did_you_mean
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
-from pvlib_fem.effects._windows import beyond_others
+from pvlib_fem.effects._scans import beyond_others
 from pvlib_fem.reasons import Reason
 
 

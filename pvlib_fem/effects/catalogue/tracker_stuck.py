@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pvlib_fem._statistics.leastsquares import orthonormal
 from pvlib_fem.drivers._solar import on_plane
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
 from pvlib_fem.effects._standstill import find_standstill, rotations
 from pvlib_fem.effects._time_profiles import date_text, day_number
-from pvlib_fem.effects._windows import orthonormal
 from pvlib_fem.reasons import Reason
 
 DRIVERS = ("poa_global", "clearness", "solar_zenith", "solar_azimuth", "day")
