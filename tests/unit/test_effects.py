@@ -14,7 +14,7 @@ from hypothesis import given, strategies as st
 from study_records import seen
 
 import pvlib_fem as fem
-from pvlib_fem._loop.regression.tangents import Evidence, located_effect
+from pvlib_fem._loop.regression.tangents import Evidence, Scanned, located_effect
 from pvlib_fem._record.inputs import read
 from pvlib_fem._stored import VERSION
 from pvlib_fem._thermal.model import ThermalModel
@@ -1008,7 +1008,9 @@ def test_a_scan_counts_a_shape_as_nothing_where_its_driver_is_missing():
         seen.update(tangents, rest=rest)
 
     known = np.ones(len(rows), dtype=bool)
-    assert located_effect(evidence, scan, {"own": own}, known, {}, (), 0.0) is None
+    wide = dataclasses.replace(EFFECTS["rain"], columns=())
+    scanned = Scanned(scan, wide, {"own": own}, known)
+    assert located_effect(evidence, scanned, {}, 0.0) is None
     assert all(np.isfinite(column).all() for column in seen.values())
     np.testing.assert_array_equal(seen["own"], own)
     assert (seen["season.winter"][:20] == 0.0).all()
@@ -1027,8 +1029,11 @@ def test_an_effect_of_a_measured_driver_is_searched_in_what_changes_explain(
     def scan(rest, *others):
         seen["rest"] = rest
 
-    known, inputs = np.ones(len(rows), dtype=bool), {driver: rows}
-    located_effect(evidence, scan, {"own": own}, known, inputs, (driver,), 0.0)
+    known = np.ones(len(rows), dtype=bool)
+    wide = dataclasses.replace(EFFECTS["rain"], columns=(driver,))
+    located_effect(
+        evidence, Scanned(scan, wide, {"own": own}, known), {driver: rows}, 0.0
+    )
     rest = both[searched]
     expected = rest - base * (base @ rest) / (base @ base)
     np.testing.assert_allclose(seen["rest"], expected, rtol=1e-6, atol=1e-6)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import pandas as pd
@@ -64,6 +64,25 @@ class Evidence:
             effects=self.effects | {effect.name: effect},
             known=self.known | {effect.name: int(known.sum())},
         )
+
+    def with_changes_along(
+        self,
+        time_profiles: Iterable[Effect],
+        columns: dict[str, np.ndarray],
+        known: np.ndarray,
+    ) -> "Evidence":
+        """The evidence with the one tangent of a fault, which its changes scale."""
+        (column,) = columns
+        return replace(
+            self,
+            columns=self.columns | unknown_columns(columns, known),
+            changing=(*self.changing, *((one, column) for one in time_profiles)),
+        )
+
+    def column_of_fault(self, sensor_fault: str) -> str | None:
+        """The column that changes of a sensor fault scale, or None."""
+        same = (c for one, c in self.changing if one.sensor_fault == sensor_fault)
+        return next(same, None)
 
     @cached_property
     def without_shape(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:
@@ -140,17 +159,38 @@ def gather_evidence(
         model, effects=tuple(e for e in model.effects if not e.sensor_fault)
     )
     at = Tangents.from_model(without_faults, inputs, coefficients, rows)
-    own = at.slopes()
-    base = [n for n in without_faults.free if n not in fixed and own[n].any()]
     before = (
         without_faults.temperature(inputs, coefficients) if changes else temperature
     )
-    wrong = shape_errors(before - coefficients["bias"], record, rows)
+    evidence = evidence_of_model(at, fixed, record, rows, temperature, before)
+    evidence = replace(evidence, failed=failed)
+    every = tangents(tried, failed, inputs, at)
+    evidence, scanned = with_tangents(evidence, every, record)
+    evidence = with_scanned(evidence, scanned, model, inputs, at, located, least)
+    return with_secants(evidence, changes, without_faults, inputs, coefficients, before)
+
+
+def evidence_of_model(
+    at: "Tangents",
+    fixed: Collection[str],
+    record: Record,
+    rows: np.ndarray,
+    temperature: np.ndarray,
+    before: np.ndarray,
+) -> Evidence:
+    """
+    Evidence of the coefficients and misfits of a model, without candidates.
+
+    Of two temperatures [°C], ``before`` is that without changes of sensors.
+    """
+    own = at.slopes()
+    base = [n for n in at.model.free if n not in fixed and own[n].any()]
+    wrong = shape_errors(before - at.coefficients["bias"], record, rows)
     residual = (record["temp_module"] - temperature)[rows]
     columns = {name: own[name] for name in base} | wrong
     if early := early_errors(before, record, rows, columns, residual):
         wrong, columns = wrong | early, columns | early
-    evidence = Evidence(
+    return Evidence(
         columns,
         residual,
         (record["temp_module"] - before)[rows],
@@ -159,50 +199,91 @@ def gather_evidence(
         tuple(base),
         tuple(wrong),
     )
-    scanned: list[tuple[Callable, Effect, dict[str, np.ndarray], np.ndarray]] = []
-    changing: list[tuple[Effect, str]] = []
-    for one, own in tangents(tried, failed, inputs, at):
-        known = record.complete_rows(needed_for(one.wide.drivers))[rows]
+
+
+class Scanned(NamedTuple):
+    """A wide effect with its tangents, of which a scan takes the effect."""
+
+    scan: Callable
+    wide: Effect
+    own: dict[str, np.ndarray]
+    known: np.ndarray  # rows on which its drivers are known
+
+
+def with_tangents(
+    evidence: Evidence,
+    every: Iterable[tuple["Tried", dict[str, np.ndarray]]],
+    record: Record,
+) -> tuple[Evidence, list[Scanned]]:
+    """The evidence with the tangents of all that is tried, and what is scanned."""
+    scanned: list[Scanned] = []
+    for one, own in every:
+        known = record.complete_rows(needed_for(one.wide.drivers))[evidence.rows]
         if not all(np.isfinite(column[known]).all() for column in own.values()):
-            failed |= {name: because(Reason.NOT_A_NUMBER) for name in one.names}
+            why = because(Reason.NOT_A_NUMBER)
+            evidence.failed.update(dict.fromkeys(one.names, why))
         elif one.scan:
-            scanned.append((one.scan, one.wide, own, known))
+            scanned.append(Scanned(one.scan, one.wide, own, known))
         elif one.time_profiles:
-            (column,) = own
-            columns = evidence.columns | unknown_columns(own, known)
-            evidence = replace(evidence, columns=columns)
-            changing += [(time_profile, column) for time_profile in one.time_profiles]
+            evidence = evidence.with_changes_along(one.time_profiles, own, known)
         else:
             evidence = evidence.with_effect(one.wide, own, known)
-    # an obstacle is searched for given all functions of the usual inputs
+    return evidence, scanned
+
+
+def with_scanned(
+    evidence: Evidence,
+    scanned: Sequence[Scanned],
+    model: ThermalModel,
+    inputs: Inputs,
+    at: "Tangents",
+    located: Mapping[str, Effect],
+    least: float,
+) -> Evidence:
+    """
+    The evidence with the effects that scans of the remaining error find.
+
+    Functions of the usual inputs are scanned first: an obstacle is searched for given
+    these.
+    """
     for shapes in (True, False):
         unlocated = evidence
-        for scan, wide, own, known in scanned:
-            if wide.confounder is not shapes:
+        for one in scanned:
+            name, not_found = one.wide.name, one.wide.not_found
+            if one.wide.confounder is not shapes:
                 continue
-            narrow = located_effect(
-                unlocated, scan, own, known, inputs, wide.drivers, least
-            )
-            narrow = narrow or located.get(wide.name)
+            narrow = located_effect(unlocated, one, inputs, least) or located.get(name)
             if narrow is None:
-                failed[wide.name] = because(wide.not_found)
+                evidence.failed[name] = because(not_found)
                 continue
             there = replace(model, effects=(narrow,)).with_drivers(inputs)
-            for _, own in tangents([Tried(narrow)], failed, there, at):
-                evidence = evidence.with_effect(narrow, own, known)
-    secants = {}
+            for _, own in tangents([Tried(narrow)], evidence.failed, there, at):
+                evidence = evidence.with_effect(narrow, own, one.known)
+    return evidence
+
+
+def with_secants(
+    evidence: Evidence,
+    changes: Iterable[Effect],
+    model: ThermalModel,
+    inputs: Inputs,
+    coefficients: dict[str, float],
+    before: np.ndarray,
+) -> Evidence:
+    """
+    The evidence with the response to each change in the model in place of its tangent.
+
+    The model is that without changes, and ``before`` its temperature. [°C]
+    """
+    columns = dict(evidence.columns)
     for effect in changes:
-        column = next(
-            (c for e, c in changing if e.sensor_fault == effect.sensor_fault), None
-        )
+        column = evidence.column_of_fault(effect.sensor_fault)
         if column is not None and coefficients[next(iter(effect.rows()))]:
-            dates, tangent = record.dates[rows], evidence.columns[column]
-            response = secant(
-                without_faults, inputs, effect, coefficients, dates, before
-            )
-            secants[column] = np.where(np.isnan(tangent), np.nan, response[rows])
-    columns = evidence.columns | secants
-    return replace(evidence, columns=columns, changing=tuple(changing), failed=failed)
+            dates = evidence.dates
+            response = secant(model, inputs, effect, coefficients, dates, before)
+            unknown = np.isnan(columns[column])
+            columns[column] = np.where(unknown, np.nan, response[evidence.rows])
+    return replace(evidence, columns=columns)
 
 
 def secant(
@@ -375,13 +456,7 @@ def gapless_column(column: np.ndarray | float) -> np.ndarray | float:
 
 
 def located_effect(
-    evidence: Evidence,
-    scan: Callable,
-    own: dict[str, np.ndarray],
-    known: np.ndarray,
-    inputs: Inputs,
-    drivers: Sequence[str],
-    least: float,
+    evidence: Evidence, scanned: Scanned, inputs: Inputs, least: float
 ) -> Effect | None:
     """
     The effect where a scan of the remaining error shows it, or None.
@@ -389,6 +464,8 @@ def located_effect(
     A change that is in the model may stand for an effect with a driver of its own, such
     as a trend for dirt since the last rain. So this is searched in both together.
     """
+    scan, wide, own, known = scanned
+    drivers = wide.drivers
     places = {name: inputs[name][evidence.rows[known]] for name in drivers}
     (rest, with_changes), shapes = evidence.without_shape
     if own_columns(drivers):
