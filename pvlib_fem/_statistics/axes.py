@@ -150,9 +150,7 @@ class Axis:
         return self.labels[bins[0]][0], self.labels[bins[-1]][1]
 
     def words(self, bins: list | np.ndarray) -> str:
-        """Words for a run of bins; empty for the whole axis."""
-        if len(bins) == len(self.labels):
-            return ""
+        """Words for a run of bins."""
         words = CLOCK_WORDS.get(self.name) if not self.column else column_words
         return words(self.name, *self.ends(bins))
 

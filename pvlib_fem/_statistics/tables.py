@@ -58,17 +58,21 @@ class Table:
         top = self.rows * self.top
         return float(top @ self.means / max(top.sum(), 1.0))
 
+    def along_axes(self, cells: np.ndarray) -> list[np.ndarray]:
+        """Sums of a value of each cell by the bins of each axis."""
+        table = cells.reshape([len(axis.labels) for axis in self.axes])
+        places = range(table.ndim)
+        return [table.sum(axis=tuple(j for j in places if j != i)) for i in places]
+
     @cached_property
     def runs(self) -> list[np.ndarray]:
         """Bins of the strongest cells along each axis."""
         # a temporary error leaves a residual of the other sign elsewhere
         squares = np.where(self.top, (self.shares * self.means) ** 2 * self.rows, 0.0)
-        shape, runs = [len(axis.labels) for axis in self.axes], []
-        for i, axis in enumerate(self.axes):
-            other = tuple(j for j in range(len(shape)) if j != i)
-            along = squares.reshape(shape).sum(axis=other)
-            runs.append(axis.strongest(along, PLACE_SHARE))
-        return runs
+        return [
+            axis.strongest(along, PLACE_SHARE)
+            for axis, along in zip(self.axes, self.along_axes(squares))
+        ]
 
     @property
     def drivers(self) -> tuple[str, ...]:
@@ -85,9 +89,12 @@ class Table:
 
     @property
     def where(self) -> str:
-        """The ranges in words."""
-        words = [axis.words(run) for axis, run in zip(self.axes, self.runs)]
-        words = [one for one in words if one]
+        """The ranges in words, without those of all rows."""
+        words = [
+            axis.words(run)
+            for axis, run, rows in zip(self.axes, self.runs, self.along_axes(self.rows))
+            if np.delete(rows, run).any()
+        ]
         if len(words) == 2 and all(one.startswith("where ") for one in words):
             words = [f"{words[0]}, and", words[1].removeprefix("where ")]
         return " ".join(words) or f"spread over {' and '.join(self.drivers)}"

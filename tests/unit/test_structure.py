@@ -181,6 +181,17 @@ def test_rows_without_a_driver_are_a_bin_of_their_own(name):
     assert "missing" in axis.words([last])
 
 
+def test_a_range_of_all_rows_is_no_condition():
+    """That a pattern is in May and June says nothing of a record of these months."""
+    rows = ROWS * np.isin(CLOCK["month"], (5, 6))
+    there = (HOUR >= 8) & (HOUR < 12)
+    wanted = ("hour", "month")
+    sorts = [axis for axis in axes(CLOCK, DATES) if axis.name in wanted]
+    table = Cells.from_axes(sorts, rows, WEEKS).table(3.0 * there + noise())
+    assert table.ranges == {"hour": (8, 12), "month": (5, 6)}
+    assert table.where == "between 8 and 12 h"
+
+
 def test_a_pattern_after_rain_says_that_in_words():
     hours = RANDOM.uniform(0.0, 72.0, len(SUN))
     wet = strongest(-3.0 * (hours < 20.0) + noise(), {}, {"hours_since_rain": hours})
