@@ -99,18 +99,18 @@ def test_a_stated_probability_is_held_against_what_is_there():
     some += [record(sets=sets, sizes=("fan",))]
     words, met = measured(gates(pd.DataFrame(some), []), "causes stated at 0.80")
     assert met
-    assert "0.90 of 10 are right, stated 0.90; 0 of these have another" in words
+    assert "0.90 of 10 are right, stated 0.90; 0.90 of 10, stated 0.90, are" in words
     assert words.endswith("1 are of records with an unknown cause")
 
 
-def test_causes_that_are_right_with_another_of_their_set_are_counted():
+def test_causes_in_sets_with_one_true_cause_are_counted_apart():
     """Two true causes that look alike have a part of one probability each."""
     shares = {"snow": 0.55, "season": 0.38, OUTSIDE: 0.07}
     there = dict(sizes=("snow",), truths=("snow",))  # physics has a season
     some = [record(sets=[("snow", "ambiguous", shares)], **there)]
     words, met = measured(gates(pd.DataFrame(some), []), "causes stated at 0.50")
     assert not met
-    assert "1.00 of 1 are right, stated 0.55; 1 of these have another" in words
+    assert "1.00 of 1 are right, stated 0.55; none is in sets with one" in words
 
 
 def test_blocks_and_generators_have_rows_of_their_own():
