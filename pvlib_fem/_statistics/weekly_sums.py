@@ -39,6 +39,30 @@ def products(cells: np.ndarray, rows: np.ndarray, ends: np.ndarray) -> np.ndarra
     return sums
 
 
+def products_with(
+    cells: np.ndarray, others: np.ndarray, rows: np.ndarray, ends: np.ndarray
+) -> np.ndarray:
+    """
+    Sums of products of some columns with others between each end and the next.
+
+    Parameters
+    ----------
+    cells, others : array, shape (cells, columns)
+        Means over the rows of each cell.
+    rows, ends : array
+        As of :func:`products`.
+
+    Returns
+    -------
+    array, shape (days, columns, columns of the others)
+    """
+    weighted = cells * rows[:, None]
+    sums = np.empty((len(ends) - 1, cells.shape[1], others.shape[1]))
+    for i, (low, high) in enumerate(pairwise(ends)):
+        np.matmul(weighted[low:high].T, others[low:high], out=sums[i])
+    return sums
+
+
 def effective_number(weights: np.ndarray) -> float:
     """
     Effective number of draws with some weights (Kish, 1965).
@@ -114,7 +138,7 @@ class LeastSquares:
     @cached_property
     def shifts(self) -> np.ndarray:
         """Change of the estimate without each week in turn."""
-        squares = with_ridge((self.whole - self.weekly)[:, 1:, 1:])
+        squares = with_ridge(self.whole[1:, 1:] - self.weekly[:, 1:, 1:])
         changes = np.linalg.solve(squares, self.scores[..., None])[..., 0]
         return -changes[:, -self.size :]
 
@@ -232,9 +256,11 @@ def with_ridge(squares: np.ndarray) -> np.ndarray:
     -------
     array, shape (..., columns, columns)
     """
-    diagonal = np.abs(np.einsum("...ii->...i", squares))
-    ridge = RIDGE * (diagonal + 1e-3 * diagonal.max(axis=-1, keepdims=True)) + 1e-30
-    return squares + ridge[..., None] * np.eye(squares.shape[-1])
+    squares = squares.copy()
+    diagonal = np.einsum("...ii->...i", squares)  # which changes with it
+    size = np.abs(diagonal)
+    diagonal += RIDGE * (size + 1e-3 * size.max(axis=-1, keepdims=True)) + 1e-30
+    return squares
 
 
 def given_first(whole: np.ndarray, first: int) -> np.ndarray:

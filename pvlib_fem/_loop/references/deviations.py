@@ -121,7 +121,21 @@ class DailyDeviation:
 
     def given_columns(self, others: Iterable[np.ndarray]) -> Self:
         """The deviation given some daily columns."""
-        return replace(self, others=(*self.others, *others))
+        more = tuple(others)
+        key = tuple(column.tobytes() for column in more)
+        if key not in self.derived:
+            self.derived[key] = replace(self, others=(*self.others, *more))
+        return self.derived[key]
+
+    @cached_property
+    def derived(self) -> dict[tuple[bytes, ...], Self]:
+        """The deviation given some daily columns, made once."""
+        return {}
+
+    @cached_property
+    def changes(self) -> dict[tuple[bytes, bytes], tuple[float, float, np.ndarray]]:
+        """What :meth:`along` returns, made once."""
+        return {}
 
     @cached_property
     def basis(self) -> np.ndarray:
@@ -145,13 +159,17 @@ class DailyDeviation:
         of a change of the module's temperature: by weeks and their memory.
         """
         values = self.apart if values is None else values
+        key = weights.tobytes(), values.tobytes()
+        if key in self.changes:
+            return self.changes[key]
         table = np.column_stack([values, *self.usual, weights])
         edges = np.append(0, date_starts(week_numbers(self.days))[1])
         fit = LeastSquares(products(table, np.ones(len(table)), edges), 1)
         residual = table @ np.append(1.0, -fit.solved)
         variance = float(np.squeeze(fit.by_all_weeks()[0]))
         error = np.sqrt(variance + self.wandering(table[:, 1:]))
-        return float(fit.estimate[0]), float(error), residual
+        self.changes[key] = float(fit.estimate[0]), float(error), residual
+        return self.changes[key]
 
     def wandering(self, table: np.ndarray) -> float:
         """Variance of the last coefficient by what differs from year to year."""

@@ -175,10 +175,14 @@ class Design:
         """Weekly sums of products: an array of (weeks, columns, columns)."""
         return self.weekly_products(self.cells)
 
+    @cached_property
+    def edges(self) -> np.ndarray:
+        """First cell of each week, and the number of cells."""
+        return np.append(self.first[self.clusters], len(self.rows))
+
     def weekly_products(self, cells: np.ndarray) -> np.ndarray:
         """Weekly sums of products of some columns, as :attr:`weekly` has them."""
-        edges = np.append(self.first[self.clusters], len(self.rows))
-        return products(cells, self.rows, edges)
+        return products(cells, self.rows, self.edges)
 
     @cached_property
     def total(self) -> np.ndarray:

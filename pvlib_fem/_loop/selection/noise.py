@@ -22,7 +22,7 @@ from pvlib_fem._statistics.tables import (
     cell_numbers,
     largest_table,
 )
-from pvlib_fem._statistics.weekly_sums import LeastSquares
+from pvlib_fem._statistics.weekly_sums import LeastSquares, products_with
 from pvlib_fem.drivers import needed_for, own_columns
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._instruments import INERTIA, OF_NO_COEFFICIENT, OFFSETS
@@ -320,20 +320,24 @@ class WithinCells:
 
     design: "Design"
     given: Sequence["Column"]  # of the base and of other choices
-    known: dict[Kind, tuple[Means, np.ndarray]] = field(default_factory=dict)
+    known: dict[Kind, tuple[Means, np.ndarray, np.ndarray]] = field(
+        default_factory=dict
+    )
 
-    def parts(self, kind: Kind) -> tuple[Means, np.ndarray]:
+    def parts(self, kind: Kind) -> tuple[Means, np.ndarray, np.ndarray]:
         """
-        Means in the cells of a table, and residual and given columns less theirs.
+        Means in the cells of a table, and columns less theirs with their products.
 
-        Without an axis, the groups are weeks.
+        These are the residual and the given columns, shape (cells, columns). Without an
+        axis, the groups are weeks.
         """
         if kind not in self.known:
             design = self.design
             groups = cell_numbers(kind)[0] if kind else design.weeks
             mean = group_means(groups, design.rows)
             columns = [design.cells[:, 0], *map(design.values, self.given)]
-            self.known[kind] = mean, np.array([one - mean(one) for one in columns])
+            table = np.array([one - mean(one) for one in columns]).T
+            self.known[kind] = mean, table, design.weekly_products(table)
         return self.known[kind]
 
     def products(self, own: Sequence["Column"], kind: Kind) -> np.ndarray:
@@ -343,7 +347,7 @@ class WithinCells:
         A change counts as far as its weight differs within a group. Variation of the
         sensor's column within a group is no evidence of a change.
         """
-        design, (mean, given) = self.design, self.parts(kind)
+        design, (mean, given, among) = self.design, self.parts(kind)
         columns = []
         for column in own:
             values = design.values(column)
@@ -351,7 +355,11 @@ class WithinCells:
                 means = mean(design.weight(column))
                 values = values - means * design.cells[:, column.place]
             columns.append(values - mean(values))
-        return design.weekly_products(np.concatenate([given, columns]).T)
+        mine = np.array(columns).T
+        crossed = products_with(mine, given, design.rows, design.edges)
+        above = np.concatenate([among, np.swapaxes(crossed, 1, 2)], axis=2)
+        below = np.concatenate([crossed, design.weekly_products(mine)], axis=2)
+        return np.concatenate([above, below], axis=1)
 
 
 def remaining_share(
