@@ -74,7 +74,7 @@ def selected(
     choices = selection.run(placed_choices(design, begin, closed))
     given = selection.given(choices)
     if noise := random_effects(design, given, selection.least):
-        selection = replace(selection, noise=noise, known={}, scores={})
+        selection = replace(selection, noise=noise, scores={})
         choices = selection.run(choices)
     return selection, choices
 
