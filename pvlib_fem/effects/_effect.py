@@ -176,6 +176,8 @@ class Effect:
         true effect no residual remains along the position of the sun.
     imitable : bool, default False
         Whether other causes can have its law, although it has a driver of its own.
+    kind_of : str, optional
+        Name of a more general effect, of which this is a special case.
     """
 
     name: str
@@ -201,6 +203,7 @@ class Effect:
     unseen_light: bool = False
     imitable: bool = False
     geometric: bool = False
+    kind_of: str = ""
 
     @property
     def forms(self) -> "tuple[Effect, ...]":

@@ -26,6 +26,7 @@ from pvlib_fem._loop.selection.noise import (
     random_effects,
     remaining_shares,
     with_outside,
+    with_special_cases,
 )
 from pvlib_fem._loop.selection.posterior import posterior
 from pvlib_fem._loop.selection.refinement import refined, remaining
@@ -1279,6 +1280,23 @@ def test_a_step_is_snow_only_if_it_is_none_without_the_frosty_days(at, snow):
     else:
         assert found[SNOW] < 0.001
         assert found[effect] >= CRITERIA.min_probability
+
+
+@pytest.mark.parametrize("members", [["modules_covered"], ["modules_covered", "snow"]])
+@pytest.mark.parametrize("covered, snow", [(0.6, 0.3), (0.3, 0.6)])
+def test_snow_is_no_other_cause_than_the_more_probable_cover(members, covered, snow):
+    """Power shows that the modules are covered, as by snow."""
+    some = {name: Candidate(EFFECTS[name], (), 0.0) for name in members}
+    choice = Choice(some["modules_covered"], None, some)
+    stated = {"modules_covered": covered, SNOW: snow, OUTSIDE: 0.1}
+    found = with_special_cases(choice, stated)
+    assert sum(found.values()) == pytest.approx(1.0)
+    if snow > covered:  # the more precise cause
+        assert found == stated
+    else:
+        assert found["modules_covered"] == pytest.approx(0.9)
+        assert found.get(SNOW, 0.0) == 0.0
+        assert (SNOW in found) == (SNOW in members)
 
 
 def test_a_step_after_a_winter_with_thaws_is_no_snow():

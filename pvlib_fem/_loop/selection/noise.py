@@ -169,11 +169,30 @@ def with_outside(
     mine[OUTSIDE] = outside
     if snow:
         mine[SNOW] = mine.get(SNOW, 0.0) + snow
+    mine = with_special_cases(choice, mine)
     total = sum(mine.values())
     # rounding errors must not choose among causes that are equally probable
     probabilities = {n: float(round(p / total, DIGITS)) for n, p in mine.items()}
     order = sorted(probabilities.items(), key=lambda item: -item[1])
     return replace(choice, probabilities=dict(order))
+
+
+def with_special_cases(
+    choice: "Choice", probabilities: Mapping[str, float]
+) -> dict[str, float]:
+    """
+    Probabilities, of which a general cause has those of its special cases.
+
+    Snow on the modules is one of the covers that power shows. If it is the less
+    probable of the two, it is no other cause; else it is the more precise one.
+    """
+    found = dict(probabilities)
+    for name in [name for name in found if name != OUTSIDE]:
+        (effect,) = choice.effects_of([name])
+        if found.get(effect.kind_of, 0.0) > found[name]:
+            found[effect.kind_of] += found[name]
+            found[name] = 0.0
+    return {n: p for n, p in found.items() if p or n in choice.members}
 
 
 def remaining_shares(

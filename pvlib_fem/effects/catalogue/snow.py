@@ -51,4 +51,5 @@ EFFECT = Effect(
         "rear_irradiance",
         "an irradiance sensor that lies under snow itself",
     ),
+    kind_of="modules_covered",
 )
