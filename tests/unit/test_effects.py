@@ -907,10 +907,10 @@ def test_the_record_decides_which_rain_cleans(plant, noise, rain):
     loop = fem.close_loop(data, effects="soiling")
     (effect,) = loop.fit.effects
     assert effect.settings["grace"] == rain["grace"]
-    # amounts between which no rain of the record lies are one
+    # the same rains clean, though a lesser amount has fallen some hours earlier
     inputs = read(plant[["poa_global"]].assign(precipitation=wet))
     clean = [derive_drivers(inputs, e.drivers)[e.drivers[-1]] for e in (effect, kimber)]
-    assert np.mean(clean[0] == clean[1]) > 0.95
+    assert np.mean(np.abs(clean[0] - clean[1]) < 0.25) > 0.98
     found = loop.fit.coefficients["soiling.per_day"]
     assert found == pytest.approx(-0.005, rel=0.1)
 

@@ -64,8 +64,8 @@ def every_rain(
     return Terms(heat=poa_global * (even + gathered))
 
 
-#: amounts of rain that may clean [mm]
-AMOUNTS = (1.0, 2.0, 3.0, 4.5, 6.0, 8.0)
+#: amounts of rain that may clean [mm]: which rains are enough is a matter of 1 mm
+AMOUNTS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0)
 #: hours in which it falls, and days after it without dust: the hour of Coello and
 #: Boyle, a shower, and the day of Kimber et al., also with their days of grace
 SPANS = ((1.0, 0.0), (6.0, 0.0), (24.0, 0.0), (24.0, 14.0))
