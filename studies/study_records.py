@@ -17,6 +17,7 @@ from study_worlds import (
 
 from pvlib_fem import fem_temperature, fit_fem, heat_balance, simulator
 from pvlib_fem._loop.close import close_loop
+from pvlib_fem._loop.search import LONGWAVE
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.filters import counted
 from pvlib_fem._statements.make import REFLECTED
@@ -25,6 +26,8 @@ from pvlib_fem.drivers import underived
 from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects._testable_effects import driver
 from pvlib_fem.effects.catalogue.shading import window_effect
+from pvlib_fem.effects.catalogue.soiling import soiling_by_rain
+from pvlib_fem.simulator._deposits import DIRTIEST, PER_DAY
 from pvlib_fem.simulator._schedules import undeclared_heat
 from pvlib_fem.simulator._switches import amplitudes
 
@@ -77,6 +80,9 @@ test_error.__test__ = False  # no test, whatever its name
 def refitted(loop, effects):
     """The base with other effects, fitted to the same rows."""
     record, fit = loop.fit.record, loop.fit
+    others = {effect.name for effect in effects}
+    longwave = [e for e in fit.effects if e.name == LONGWAVE and e.name not in others]
+    effects = [*longwave, *effects]
     model = thermal_model(fit.model, fit.dynamics, effects)
     columns = {
         name: pd.Series(record[name], record.index)
@@ -129,6 +135,8 @@ def catalogue(loop, data, case, site):
             continue
         elif switch == "rain" and "relative_humidity" not in case.drop:
             terms[switch] = find({"name": switch, "source": "humidity"})
+        elif switch in ("soiling", "soiling_sensor"):
+            terms[switch] = soiling_by_rain(**cleaning_of(site.forms))
         elif switch == "tracker_stuck":
             terms[switch] = find({"name": switch, **standstill(site.tracker)})
         elif switch in TRUTHS and TRUTHS[switch].effect in EFFECTS:
@@ -136,6 +144,16 @@ def catalogue(loop, data, case, site):
         elif switch in UNKNOWN and case.neighbour:
             terms[switch] = driver("neighbour", data["neighbour"])
     return terms
+
+
+def cleaning_of(forms):
+    """The rain that cleans, and what follows it; mass that settles is not linear."""
+    if forms.cleaning == "kimber":
+        rain = {"cleaning": 6.0, "within": 24.0, "grace": 14.0}
+    else:
+        amount, hours = forms.washed_by if forms.cleaning == "rain" else (1.0, 1.0)
+        rain = {"cleaning": amount, "within": hours}
+    return rain | {"dirtiest": DIRTIEST / PER_DAY}
 
 
 def standstill(tracker):
