@@ -63,7 +63,7 @@ def findings_table(loop: "Loop") -> Findings:
         With the columns of :data:`FIELDS`.
     """
     statements = [
-        pattern_statement(one)
+        pattern_statement(one, loop)
         if one.kind is Kind.STRUCTURE
         else finding_statement(one, loop)
         for one in loop.finding_objects

@@ -23,6 +23,7 @@ from pvlib_fem._statements.causes import MODEL, MODULES, Clause, clause_of
 from pvlib_fem._statements.clock_sentences import APPLIED, clock_statement
 from pvlib_fem._statements.statement import DAYS, Statement, key_of
 from pvlib_fem._statistics.axes import PAST, SINCE_RAIN
+from pvlib_fem._thermal.steady_models import steady_model
 from pvlib_fem.effects import find
 from pvlib_fem.effects._effect import Effect, deciding_measurements
 from pvlib_fem.effects._standstill import in_words
@@ -46,6 +47,7 @@ MEASURE_WET = (
 )
 #: what to measure, by inputs of the past hours, which no one can look up at a site
 MEASURES = {**dict.fromkeys(PAST, MEASURE_STORE), SINCE_RAIN: MEASURE_WET}
+RECORD_WIND = "Record wind_speed, and use a model that takes it, such as faiman"
 #: what the catalogue has not, and looks as light that the irradiance sensor misses
 REFLECTED = Clause(MODULES, "a surface nearby reflects light onto the modules")
 #: what a change may be that is there only while snow can lie
@@ -83,7 +85,7 @@ def statements_of(loop: "Loop", energies: Mapping[str, float]) -> list[Statement
         for added in (True, False)
     )
     clocks = map(clock_statement, loop.corrections)
-    patterns = (pattern_statement(f, bool(loop.patterns)) for f in loop.unexplained)
+    patterns = (pattern_statement(f, loop) for f in loop.unexplained)
     clocks, causes, patterns, days, hints = (
         [
             replace(one, energy=energies.get(key_of(one.cause, one.since), np.nan))
@@ -250,7 +252,7 @@ def action_of(finding: Finding, clauses: list[Clause], effects: list[Effect]) ->
     return clauses[0].action
 
 
-def pattern_statement(finding: Finding, predicted: bool = False) -> Statement:
+def pattern_statement(finding: Finding, loop: "Loop") -> Statement:
     """
     An unexplained pattern as a statement.
 
@@ -258,8 +260,8 @@ def pattern_statement(finding: Finding, predicted: bool = False) -> Statement:
     ----------
     finding : Finding
         The pattern; its coefficient ``mean`` is measured minus modelled. [K]
-    predicted : bool, default False
-        Whether predictions of the loop have the pattern.
+    loop : Loop
+        That has the finding.
 
     Returns
     -------
@@ -268,6 +270,8 @@ def pattern_statement(finding: Finding, predicted: bool = False) -> Statement:
     mean = finding.coefficients.get("mean", np.nan)
     way = "warmer" if mean > 0 else "colder"
     measures = [MEASURES[name] for name in finding.where if name in MEASURES]
+    if not steady_model(loop.fit.model).takes_wind:
+        measures.append(RECORD_WIND)
     return Statement(
         cause=finding.effect,
         device=PATTERN,
@@ -278,7 +282,7 @@ def pattern_statement(finding: Finding, predicted: bool = False) -> Statement:
             "modelled"
         ),
         action=(measures or [f"Record a quantity that changes {finding.place}"])[0],
-        certainty="No known cause; loop.predict includes it" * predicted,
+        certainty="No known cause; loop.predict includes it" * bool(loop.patterns),
         gain=finding.gain,
         value=mean,
         unit="K",

@@ -4,6 +4,7 @@ import html
 import json
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -145,23 +146,25 @@ def test_the_days_between_which_a_fault_began_follow_its_first_day(end, last):
 
 
 @pytest.mark.parametrize(
-    "name, action",
+    "name, model, action",
     [
-        ("hour", "Record a quantity that changes between 7 and 9"),
-        ("poa_stored_3h", "Measure the temperature of what stores heat"),
-        ("air_stored", "Measure the temperature of what stores heat"),
-        ("hours_since_rain", "Measure the temperature of what stays wet after rain"),
+        ("hour", "faiman", "Record a quantity that changes between 7 and 9"),
+        ("poa_stored_3h", "ross", "Measure the temperature of what stores heat"),
+        ("air_stored", "faiman", "Measure the temperature of what stores heat"),
+        ("hours_since_rain", "wm1", "Measure the temperature of what stays wet after"),
+        ("hour", "ross", "Record wind_speed"),
     ],
 )
-def test_a_pattern_of_past_hours_asks_for_what_stores_heat(name, action):
-    """The irradiance of the past three hours is no quantity that one can look up."""
+def test_a_pattern_asks_for_what_may_explain_it(name, model, action):
+    """Wind, where the model has none; no past irradiance, which one cannot look up."""
     pattern = Finding(
         *(name, (name,), Verdict.UNEXPLAINED, 0.3, {"mean": 1.0}, {}),
         because=because(Reason.UNEXPLAINED, gain=0.3, where="between 7 and 9"),
         where={name: (7.0, 9.0)},
         place="between 7 and 9",
     )
-    assert pattern_statement(pattern).action.startswith(action)
+    loop = SimpleNamespace(fit=SimpleNamespace(model=model), patterns=())
+    assert pattern_statement(pattern, loop).action.startswith(action)
 
 
 def test_light_that_the_sensor_misses_may_be_a_reflection():
