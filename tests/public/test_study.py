@@ -11,6 +11,7 @@ from study import (
     FAMILIES,
     LOGGERS,
     QUICK,
+    RISE,
     clear,
     found_before,
     hardly_worse,
@@ -122,6 +123,13 @@ def test_the_error_of_test_weeks_hardly_ever_rises(table):
     assert len(done)
     for _, row in done.iterrows():
         assert hardly_worse(row), (row["truth"], row["before"], row["after"])
+
+
+def test_a_refit_with_the_truth_has_the_base_of_the_loop(table):
+    """Without a part of it, its error is above that of the base alone."""
+    done = table[table["oracle"].notna()]
+    worse = done[done["oracle"] > done["before"] + RISE]
+    assert len(done) and not worse[["truth", "before", "oracle"]].to_numpy().tolist()
 
 
 def test_the_page_has_every_family_and_a_verdict(table):
