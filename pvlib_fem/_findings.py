@@ -109,6 +109,7 @@ VERBS = {
 
 #: names of causes that change the light on the modules, and no reading, begin so
 ON_MODULES = ("module_irradiance", "tracker_stuck")
+SOILING = "soiling"  # of the sensor if positive, else of the modules
 
 
 @fields_in_new_names({"opinion": "outcome"})
@@ -131,7 +132,8 @@ class CrossCheck:
         The size if that candidate is the cause. With another cause it is about 0.
     outcome : CheckOutcome
     unit : str
-        ``"-"`` or ``"K"``, of a drift ``"-/year"`` or ``"K/year"``.
+        ``"-"`` or ``"K"``, of a drift ``"-/year"`` or ``"K/year"``, of soiling
+        ``"-/day"``.
     """
 
     column: str
@@ -162,7 +164,8 @@ class CrossCheck:
     @property
     def of_modules(self) -> bool:
         """Whether its candidate changes the light on the modules, and no reading."""
-        return self.effect.startswith(ON_MODULES)
+        soiled = self.effect == SOILING and self.expected < 0.0
+        return soiled or self.effect.startswith(ON_MODULES)
 
     def reading(self, size: float) -> float:
         """
@@ -194,11 +197,13 @@ class CrossCheck:
         -------
         str
         """
-        digits, unit = (2, "K") if self.in_kelvin else (1, "%")
+        daily = self.unit.endswith("/day")
+        digits = 2 if daily or self.in_kelvin else 1
+        unit = "K" if self.in_kelvin else "%"
         sign = f" ± {error:.{digits}f}" if np.isfinite(error) else ""
         way = "more" if value > 0.0 else "less"
-        year = " a year" if self.unit.endswith("/year") else ""
-        return f"{abs(value):.{digits}f}{sign} {unit} {way}{year}"
+        per = " a day" if daily else " a year" if self.unit.endswith("/year") else ""
+        return f"{abs(value):.{digits}f}{sign} {unit} {way}{per}"
 
     def __str__(self) -> str:
         expected = self.in_words(self.reading(self.expected))

@@ -174,6 +174,9 @@ class Effect:
     geometric : bool, default False
         Whether its law is the geometry of a plane or an obstacle, and thus exact: of a
         true effect no residual remains along the position of the sun.
+    loses_light : bool, default False
+        Whether it is light that the sensor or the modules lose from day to day, so that
+        power or a clear sky deviates along its days.
     imitable : bool, default False
         Whether other causes can have its law, although it has a driver of its own.
     kind_of : str, optional
@@ -201,6 +204,7 @@ class Effect:
     sensor_fault: str = ""
     dates: Any = None
     unseen_light: bool = False
+    loses_light: bool = False
     imitable: bool = False
     geometric: bool = False
     kind_of: str = ""

@@ -390,6 +390,22 @@ def is_dated(effect: Effect) -> bool:
     return bool(effect.sensor_fault) or "start" in effect.settings
 
 
+def is_compared(effect: Effect) -> bool:
+    """
+    Whether references can deviate along the days of an effect.
+
+    Parameters
+    ----------
+    effect : Effect
+
+    Returns
+    -------
+    bool
+        True if it has dates, and if it loses light day by day, as dirt does.
+    """
+    return is_dated(effect) or effect.loses_light
+
+
 def time_profile_of(effect: Effect) -> str:
     """
     Name of the time profile of an effect.

@@ -12,6 +12,7 @@ from pvlib_fem._loop.references.deviations import DailyDeviation, Shown
 from pvlib_fem._loop.selection.choice import SizeByReference, Sized
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import (
+    is_compared,
     is_dated,
     is_drift,
     time_profile_of,
@@ -39,10 +40,11 @@ def log_likelihoods(
     Log-likelihoods of the members of a choice, and of a cause outside, by references.
 
     Each is compared with a reference that shows nothing along the time profile of the
-    member, or along that of the best member with one. A cause that is in no instrument
-    predicts nothing. An effect by a power predicts any deviation that this power may
-    show, and so does a cause outside that looks like it. Time profiles of one
-    instrument are compared by the residual of the reference given each.
+    member, of dirt along the light that it takes each day, or along that of the best
+    member with one. A cause that is in no instrument predicts nothing. An effect by a
+    power predicts any deviation that this power may show, and so does a cause outside
+    that looks like it. Time profiles of one instrument are compared by the residual of
+    the reference given each.
 
     Parameters
     ----------
@@ -72,7 +74,7 @@ def log_likelihoods(
             any_size = member.effect.settings.get("source") == one.column
             # what is a choice of its own has its deviation there
             if any_size or (name in effects and name not in choice.taken):
-                own = dated.get(name, first)
+                own = effects.get(name, first)
                 names = [name] if name in effects else concerned
                 shown = one.shown(own, [*map(choice.sized, names)], coefficients)
                 if shown is not None:
@@ -160,7 +162,7 @@ def compared_along(choice: "Choice") -> Effect | None:
     free = [name for name in choice.weights if name not in choice.taken]
     free.sort(key=lambda name: -choice.weights[name])
     effects = (choice.members[name].effect for name in free)
-    return next(filter(is_dated, (choice.top.effect, *effects)), None)
+    return next(filter(is_compared, (choice.top.effect, *effects)), None)
 
 
 def cross_checked(
@@ -189,7 +191,7 @@ def cross_checked(
     """
     checks: list[CrossCheck] = []
     sizes: dict[str, list[SizeByReference]] = {}
-    for one in references if is_dated(first) else ():
+    for one in references if is_compared(first) else ():
         alike = [
             name
             for name in one.concerned(choice)
@@ -203,6 +205,7 @@ def cross_checked(
         size, aged = shown.size, shown.aged
         years = years_to_end(first)  # of a trend that ends, what it reaches
         unit = one.comparison.unit + ("/year" if is_drift(first) and not years else "")
+        unit += "/day" if first.loses_light else ""
         times = years or 1.0
         told: set[tuple[float, CheckOutcome]] = set()
         for name in alike:
@@ -212,8 +215,9 @@ def cross_checked(
             contradicted = outcome is CheckOutcome.CONTRADICTS
             if contradicted and name in shown.unseen:
                 outcome = CheckOutcome.CANNOT_TELL
-            # a trend of power may be its own, and is what a record is corrected for
-            if value and not aged and not contradicted:
+            # a trend of power may be its own, and is what a record is corrected for;
+            # dirt by the days since rain is a law with an error, in both alike
+            if value and not aged and not contradicted and is_dated(first):
                 mine = choice.sized(name)
                 ratio, off = one.relative_size(mine, first, shown, coefficients)
                 off /= np.sqrt(one.weight)

@@ -27,6 +27,7 @@ from pvlib_fem.drivers import derive_drivers
 from pvlib_fem.drivers._mounts import angles_at
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import (
+    is_compared,
     is_dated,
     is_drift,
     time_profile_of,
@@ -100,13 +101,19 @@ class DailyDeviation:
             for one in choices
             if not one.members or kind(one.top.effect) in shows
         )
-        return self.given_effects(one for one in effects if is_dated(one))
+        return self.given_effects(filter(is_compared, effects))
 
     def given_effects(self, effects: Iterable[Effect]) -> Self:
         """The deviation given some changes."""
-        profiles = (weights_of(one, self.days) for one in effects)
+        profiles = map(self.profile, effects)
         others = [one for one in profiles if np.ptp(one) > 0]
         return self.given_columns(others) if others else self
+
+    def profile(self, effect: Effect) -> np.ndarray:
+        """Its part of each day; of dirt the light that it takes, per unit."""
+        if is_dated(effect):
+            return weights_of(effect, self.days)
+        return self.light(effect, 1.0)
 
     def given_own(self, first: Effect) -> Self:
         """
@@ -242,7 +249,7 @@ class DailyDeviation:
 
     def concerns(self, effect: Effect) -> bool:
         """Whether it would show something of a change."""
-        return kind(effect) in self.comparison.shows and is_dated(effect)
+        return kind(effect) in self.comparison.shows and is_compared(effect)
 
     def concerned(self, choice: "Choice") -> list[str]:
         """Members of a choice of which it would show something."""
@@ -260,13 +267,13 @@ class DailyDeviation:
 
         None where it shows nothing.
         """
-        weights = weights_of(first, self.days)
+        weights = self.profile(first)
         given = self.given_own(first)
         if not several or not given.sees(weights):
             return None
         size, error, residual = given.along(weights)
         # one that acts on some days is compared with as many others, not with weeks
-        if not first.sensor_fault:
+        if is_dated(first) and not first.sensor_fault:
             error = by_accident(weights > 0.0, residual)
         expected, slack = {}, {}
         for effect, of_fit, relative in several:
@@ -419,16 +426,21 @@ def daily_deviation(
     if near.sum() < comparison.fewest:
         return None
 
+    known: dict[str, np.ndarray] = {}  # by an effect with its settings, per unit
+
     def light(effect: Effect, size: float) -> np.ndarray:
-        # only the record of a loop has candidates
-        columns = derive_drivers(cast(Record, record).inputs, effect.drivers).columns
-        terms = effect.at(columns, dict.fromkeys(effect.rows(), size))
-        heat = np.broadcast_to(terms.heat, len(kept))
-        more, whole = (
-            np.bincount(place, np.nan_to_num(column[kept]))
-            for column in (heat, record["poa_global"])
-        )
-        return (more / np.maximum(whole, 1e-9))[near]
+        key = f"{effect.name} {effect.settings}"
+        if key not in known:
+            # only the record of a loop has candidates
+            inputs = derive_drivers(cast(Record, record).inputs, effect.drivers)
+            terms = effect.at(inputs.columns, dict.fromkeys(effect.rows(), 1.0))
+            heat = np.broadcast_to(terms.heat, len(kept))
+            more, whole = (
+                np.bincount(place, np.nan_to_num(column[kept]))
+                for column in (heat, record["poa_global"])
+            )
+            known[key] = (more / np.maximum(whole, 1e-9))[near]
+        return size * known[key]
 
     return DailyDeviation(comparison, name, days[near], deviation[near], light)
 

@@ -29,7 +29,7 @@ from pvlib_fem._statistics.weekly_sums import (
 from pvlib_fem.drivers import own_columns
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._instruments import INERTIA
-from pvlib_fem.effects._time_profiles import is_dated
+from pvlib_fem.effects._time_profiles import is_compared, is_dated
 
 BETTER = 1.02  # times as much as another explains a candidate has to, to replace it
 MOST_SHOWN = 5.0  # log-likelihood by all references that one candidate adds or takes
@@ -480,8 +480,8 @@ class Selection:
         """
         By how much a candidate increases the log-likelihood of references.
 
-        Of all effects with dates, and of those that are given. References are not
-        independent of each other, so that each counts as ``MOST_SHOWN`` at most.
+        Of all effects that they may show, and of those that are given. References are
+        not independent of each other, so that each counts as ``MOST_SHOWN`` at most.
         """
         before = sum(self.logs_by_references(given).values())
         after = self.logs_by_references([*given, *one.beyond(given)])
@@ -492,7 +492,7 @@ class Selection:
 
     def logs_by_references(self, columns: Sequence[Column]) -> dict[Column, float]:
         """
-        Log-likelihood by references of each effect with dates, by its first column.
+        Log-likelihood by references of each effect that they show, by first column.
 
         Its size is that of least squares of all columns: where another effect would
         alter it, references may contradict both.
@@ -500,7 +500,7 @@ class Selection:
         key = frozenset(columns)
         if self.likelihoods is None or key in self.logs:
             return self.logs.get(key, {})
-        effects = self.dated_effects(columns)
+        effects = self.compared_effects(columns)
         if not effects:
             return {}
         others = [one for one in columns if one not in effects]
@@ -518,14 +518,14 @@ class Selection:
         self.logs[key] = dict(zip(effects, self.likelihoods(sized)))
         return self.logs[key]
 
-    def dated_effects(self, columns: Sequence[Column]) -> dict[Column, Effect]:
-        """Effects with dates among some columns, by the first column of each."""
+    def compared_effects(self, columns: Sequence[Column]) -> dict[Column, Effect]:
+        """Effects that references may show among some columns, by the first column."""
         found: dict[Column, Effect] = {
             one: one.effect for one in columns if isinstance(one, Changed)
         }
         for name, (first, *_) in self.design.own.items():
             effect = self.design.effects[name]
-            if first in columns and is_dated(effect):
+            if first in columns and is_compared(effect):
                 found[first] = effect
         return found
 

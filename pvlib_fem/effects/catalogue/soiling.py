@@ -89,6 +89,7 @@ EFFECT = Effect(
         "the steady model's coefficients, if soiling is constant",
         "ground or a roof that is wet and cold after rain, and dries",
     ),
+    loses_light=True,
     imitable=True,  # ground dries, and gets warmer, by the time since rain
     make=soiling_by_rain,
     scan=partial(
