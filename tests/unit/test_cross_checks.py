@@ -571,6 +571,62 @@ def test_soiling_shows_where_its_light_does():
     assert abs(even) < 0.5 < season_or_drift("soiling")
 
 
+def test_dirt_is_compared_by_the_light_that_it_takes_each_day():
+    """Of a sensor that rain washes: given that, nothing confirms a trend in summer."""
+    days = np.arange(400)
+    dirt = np.where((days >= 120) & (days < 220), days - 120, days % 20)
+    noise, rate = noise_of(2, days, 0.01), 0.002
+
+    def compared(column, apart, *changes):
+        (comparison,) = (one for one in COMPARISONS if one.serves(column))
+
+        def light(effect, size):
+            return size * dirt
+
+        one = DailyDeviation(comparison, column, 19000 + days, apart, light)
+        return log_likelihoods_of_sizes([one], {}, [[one] for one in changes])
+
+    dirty = noise + np.log1p(rate * dirt)
+    sensor, module = (Sized(EFFECTS["soiling"], size, 0.1) for size in (rate, -rate))
+    summer = {"start": "2022-05-09", "end": "2022-08-17"}
+    drift = Sized(CHANGES["irradiance_sensor_drift"].make(**summer), 0.73, 0.1)
+    for column in ("power_ac", SKY):
+        assert compared(column, dirty, sensor)[0] > 5.0
+        assert compared(column, noise, sensor)[0] < -2.0
+        (alone,), (_, given) = (
+            compared(column, dirty, *changes) for changes in ([drift], [sensor, drift])
+        )
+        assert alone > 2.0 and given < 0.0
+    # dirt on the modules shows in power alone
+    washed = noise + np.log1p(-rate * dirt)
+    assert compared("power_ac", washed, module)[0] > 5.0
+    assert compared(SKY, washed, module)[0] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "switch, device", [("soiling_sensor", "the sensor reads"), ("soiling", "receive")]
+)
+def test_power_confirms_where_dirt_is_and_how_fast_it_gathers(switch, device):
+    """0.6 % a day until it rains, with power as a column that no fit has used."""
+    forms = simulator.Forms(cleaning="rain", washed_by=(5.0, 6.0))
+    site = simulator.Site(rain_days=0.15, forms=forms)
+    effects = simulator.PHYSICS | {switch: 2.0}
+    data = simulator.record(site, effects, days=300, step=1800.0, seed=11)
+    loop = close_loop(
+        data,
+        location=Location(site.latitude, site.longitude),
+        surface_tilt=site.surface_tilt,
+        surface_azimuth=site.surface_azimuth,
+    )
+    (one,) = (f for f in loop.finding_objects if f.effect == "soiling")
+    assert one.verdict is Verdict.IDENTIFIED
+    (check,) = (c for c in one.cross_checks if c.column == "p_dc_per_area")
+    assert check.outcome is CheckOutcome.AGREES and check.unit == "-/day"
+    size = 0.006 * np.sign(one.coefficients["soiling.per_day"])
+    assert check.size == pytest.approx(size, rel=0.2)
+    assert device in str(check) and "less a day" in str(check)
+
+
 def test_power_speaks_for_the_irradiance_sensor_where_the_mounting_changed(
     half_a_year,  # noqa: F811
 ):
