@@ -4,7 +4,8 @@ Add an effect to a measured record.
 A physical effect, or a fault at the module, changes the module temperature by the
 response of the record's own model; other light on the modules changes power, too. A
 fault of another sensor changes the column of that sensor, so second sensors, the sky
-and the weather deviate from it as they would.
+and the weather deviate from it as they would. Dirt is on the modules or on the sensor,
+by its sign.
 """
 
 from collections.abc import Sequence
@@ -72,9 +73,17 @@ class Injector:
         parts = (injection.coefficients, effect.start)
         return self.added(model, effect.drivers, *parts)
 
-    def more_power(self, effect: Effect, change: float) -> dict[str, np.ndarray]:
-        """What power gets of a change of the light on the modules, by its column."""
-        more = change * weights_of(effect, self.record.dates)
+    def more_light(self, effect: Effect, coefficients: dict) -> np.ndarray:
+        """Share of light that the modules receive more than the sensor shows."""
+        if effect.sensor_fault:
+            (change,) = coefficients.values()
+            return change * weights_of(effect, self.record.dates)
+        inputs = derive_drivers(self.record.inputs, effect.drivers)
+        poa, heat = inputs["poa_global"], effect.at(inputs.columns, coefficients).heat
+        return np.divide(heat, poa, out=np.zeros(len(poa)), where=poa > 0.0)
+
+    def more_power(self, more: np.ndarray) -> dict[str, np.ndarray]:
+        """What power gets of more light on the modules, by its column."""
         names = filter(is_power, self.record.inputs.columns)
         return {name: np.nan_to_num(more * self.record[name]) for name in names}
 
@@ -113,13 +122,16 @@ class Injector:
         """A copy of a frame with the effect added."""
         data, effect = data.copy(), self.effect(injection)
         labels = labels_of(data)
-        name = READS.get(effect.sensor_fault)
-        if name is None:
+        name, sizes = READS.get(effect.sensor_fault), injection.coefficients
+        if effect.loses_light and max(sizes.values()) > 0.0:  # of the sensor
+            poa, more = self.record["poa_global"], self.more_light(effect, sizes)
+            change = {"poa_global": np.nan_to_num(poa / (1.0 + more) - poa)}
+        elif name is None:
             change = {"temp_module": self.response(injection)}
-            if effect.sensor_fault == "module_irradiance":
-                change |= self.more_power(effect, *injection.coefficients.values())
+            if effect.loses_light or effect.sensor_fault == "module_irradiance":
+                change |= self.more_power(self.more_light(effect, sizes))
         else:
-            (size,) = injection.coefficients.values()
+            (size,) = sizes.values()
             read = faulty_reading(self.record, effect, size, self.coefficients)
             change = {
                 name: np.nan_to_num(values - self.record[name])

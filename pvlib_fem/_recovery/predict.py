@@ -8,6 +8,7 @@ import numpy as np
 
 from pvlib_fem._loop.criteria import HALF
 from pvlib_fem._loop.preparation.divided_record import Case
+from pvlib_fem._loop.references.comparisons import kind
 from pvlib_fem._loop.references.cross_checks import (
     log_likelihoods,
     log_likelihoods_of_sizes,
@@ -28,7 +29,6 @@ from pvlib_fem._recovery.draw import Draw, dated_draws, same_days, with_ways
 from pvlib_fem._recovery.inject import readable, whole_of
 from pvlib_fem._statistics.weekly_sums import given_first
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.effects._time_profiles import weights_of
 from pvlib_fem.reasons import Because, Reason, because
 
 GROWS = 1.6  # factor from one size to the next, until the effect is selected
@@ -199,12 +199,12 @@ class Look:
         return added
 
     def shown_by(self, reference: DailyDeviation, size: float) -> DailyDeviation:
-        """What a reference shows when the sensor has the fault, too."""
+        """What a reference shows when the sensor has the fault, or dirt, too."""
         effect = self.one.effect
-        shows = reference.comparison.shows.get(effect.sensor_fault)
-        if shows is None:
+        shows = reference.comparison.shows.get(kind(effect))
+        if shows is None or effect.turns:
             return reference
-        change = shows(size * weights_of(effect, reference.days), self.coefficients)
+        change = shows(size * reference.profile(effect), self.coefficients)
         return replace(reference, apart=reference.apart + change)
 
 

@@ -114,6 +114,31 @@ def test_an_instrument_that_changes_is_put_into_what_it_reads(record, done):
     pd.testing.assert_frame_equal(washed[others], record[others])
 
 
+def test_dirt_is_put_on_the_sensor_or_on_the_modules(record, done):
+    """A positive rate is of the sensor; a negative one takes power and heat."""
+    rain = (record.index.dayofyear % 30 == 0) & (record.index.hour == 3)
+    wet = record.assign(precipitation=np.where(rain, 20.0, 0.0))
+    search, loop = finished_search(
+        wet, "faiman", fem.drivers.checked_place(None), None, **how(wet)
+    )
+    injector = Injector.from_loop(search, loop)
+    rows = np.arange(len(wet))
+    days = (rows - np.maximum.accumulate(np.where(rain, rows, 0))) / 24.0
+    sensor = injector.into(wet, injection("soiling", 0.004))
+    np.testing.assert_allclose(
+        sensor["poa_global"] * (1.0 + 0.004 * days), wet["poa_global"], atol=1e-9
+    )
+    others = wet.columns.drop("poa_global")
+    pd.testing.assert_frame_equal(sensor[others], wet[others])
+    modules = injector.into(wet, injection("soiling", -0.004))
+    power = wet["power_dc"] * (1.0 - 0.004 * days * (wet["poa_global"] > 0.0))
+    np.testing.assert_allclose(modules["power_dc"], power, atol=1e-9)
+    noon = wet.index.hour == 12
+    assert (modules["temp_module"] < wet["temp_module"])[noon & (days > 5)].all()
+    others = wet.columns.drop(["temp_module", "power_dc"])
+    pd.testing.assert_frame_equal(modules[others], wet[others])
+
+
 @pytest.mark.parametrize("size", [0.3, 0.9])
 def test_an_anemometer_that_stalls_reads_less_of_weak_wind(record, done, size):
     """With the effect of that size the loss by the reading is that by the wind."""
