@@ -109,7 +109,6 @@ VERBS = {
 
 #: names of causes that change the light on the modules, and no reading, begin so
 ON_MODULES = ("module_irradiance", "tracker_stuck")
-SOILING = "soiling"  # of the sensor if positive, else of the modules
 
 
 @fields_in_new_names({"opinion": "outcome"})
@@ -132,8 +131,8 @@ class CrossCheck:
         The size if that candidate is the cause. With another cause it is about 0.
     outcome : CheckOutcome
     unit : str
-        ``"-"`` or ``"K"``, of a drift ``"-/year"`` or ``"K/year"``, of soiling
-        ``"-/day"``.
+        ``"-"`` or ``"K"``, of a drift ``"-/year"`` or ``"K/year"``. Of dirt it is
+        ``"-/day"``, and the size is positive if dirt is on the sensor.
     """
 
     column: str
@@ -164,8 +163,13 @@ class CrossCheck:
     @property
     def of_modules(self) -> bool:
         """Whether its candidate changes the light on the modules, and no reading."""
-        soiled = self.effect == SOILING and self.expected < 0.0
-        return soiled or self.effect.startswith(ON_MODULES)
+        dirty = self.daily and self.expected < 0.0
+        return dirty or self.effect.startswith(ON_MODULES)
+
+    @property
+    def daily(self) -> bool:
+        """Whether sizes are rates per day, as of dirt."""
+        return self.unit.endswith("/day")
 
     def reading(self, size: float) -> float:
         """
@@ -197,12 +201,12 @@ class CrossCheck:
         -------
         str
         """
-        daily = self.unit.endswith("/day")
-        digits = 2 if daily or self.in_kelvin else 1
+        digits = 2 if self.daily or self.in_kelvin else 1
         unit = "K" if self.in_kelvin else "%"
         sign = f" ± {error:.{digits}f}" if np.isfinite(error) else ""
         way = "more" if value > 0.0 else "less"
-        per = " a day" if daily else " a year" if self.unit.endswith("/year") else ""
+        year = " a year" if self.unit.endswith("/year") else ""
+        per = " a day" if self.daily else year
         return f"{abs(value):.{digits}f}{sign} {unit} {way}{per}"
 
     def __str__(self) -> str:

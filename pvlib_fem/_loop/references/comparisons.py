@@ -159,13 +159,14 @@ def of_light(change: np.ndarray, coefficients: Mapping[str, float]) -> np.ndarra
     return np.log1p(change)
 
 
+LOST = "light lost"  # of effects that take light, such as dirt
 LIGHT: dict[str, Shows] = {
     "irradiance_sensor": of_light,
-    # of the sensor; that of the modules is negative
-    "soiling": lambda change, own: of_light(np.maximum(change, 0.0), own),
+    # by the sensor; what the modules lose is negative
+    LOST: lambda change, own: of_light(np.maximum(change, 0.0), own),
 }
 #: light that the modules have, and no sensor
-OWN_LIGHT: dict[str, Shows] = {"module_irradiance": of_light, "soiling": of_light}
+OWN_LIGHT: dict[str, Shows] = {"module_irradiance": of_light, LOST: of_light}
 
 
 def kind(effect: Effect) -> str:
@@ -179,9 +180,9 @@ def kind(effect: Effect) -> str:
     Returns
     -------
     str
-        Its sensor fault; of an effect without one its name.
+        Its sensor fault; of an effect without one that it takes light, or its name.
     """
-    return effect.sensor_fault or effect.name
+    return effect.sensor_fault or (LOST if effect.loses_light else effect.name)
 
 
 def size_error(effect: Effect) -> float:
