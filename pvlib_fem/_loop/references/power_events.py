@@ -24,8 +24,8 @@ KINDS = ("modules_covered", "sensor_covered", "outage")
 EVENTS = (*KINDS, "underperformance")
 #: effects that follow power, and are no part of what events are looked for in
 BY_POWER = (*KINDS, "electrical_output")
-#: effects and sensor faults by which the modules receive more than the sensor reads
-OF_LIGHT = ("irradiance_sensor", "module_irradiance", "soiling")
+#: sensor faults by which the modules receive more than the sensor reads
+OF_LIGHT = ("irradiance_sensor", "module_irradiance")
 TINY = 1e-9  # W/m²
 EXTRA = ("temp_air", "wind_speed", "snow_depth")
 
@@ -95,7 +95,7 @@ def true_over_read(
     ratio: np.ndarray | float = 1.0
     poa = np.maximum(inputs["poa_global"], TINY)
     for effect in model.effects:
-        if effect.sensor_fault in OF_LIGHT or effect.name in OF_LIGHT:
+        if effect.loses_light or effect.sensor_fault in OF_LIGHT:
             columns = derive_drivers(inputs, effect.drivers).columns
             heat = effect.at(columns, step.coefficients).heat
             # where its driver is missing, as in the model
