@@ -12,8 +12,8 @@ from pvlib_fem._loop.preparation.leaks import leaks
 from pvlib_fem._loop.preparation.prepare import is_before_the_sun
 from pvlib_fem._loop.references.cross_checks import (
     cross_checked,
-    log_likelihoods,
     log_likelihoods_of_sizes,
+    weighed_by_references,
 )
 from pvlib_fem._loop.references.deviations import DailyDeviation, daily_deviations
 from pvlib_fem._loop.references.edge_weeks import by_power
@@ -29,7 +29,7 @@ from pvlib_fem._loop.results.parquet_loop import OwnSteps
 from pvlib_fem._loop.selection.choice import Choice, ShownChange
 from pvlib_fem._loop.selection.noise import with_outside
 from pvlib_fem._loop.selection.refinement import refined
-from pvlib_fem._loop.selection.rivals import alone, weighed
+from pvlib_fem._loop.selection.rivals import alone
 from pvlib_fem._loop.selection.single_effects import MOST, Selection, selected
 from pvlib_fem._thermal.steady_models import SteadyModel
 from pvlib_fem.effects._effect import Effect
@@ -375,9 +375,9 @@ class Search:
     ) -> tuple[Choice, list[DailyDeviation]]:
         """A choice given others with its probabilities, and the references so given."""
         selection = this.selection
-        one = weighed(selection, choice, others)
         references = [reference.given(others) for reference in self.references]
-        logs = log_likelihoods(references, one, this.coefficients)
+        given_all = others, references, this.coefficients
+        one, logs = weighed_by_references(selection, choice, *given_all)
         given, limits = selection.given(others), self.case.criteria
         return with_outside(selection.design, one, given, limits, logs), references
 

@@ -10,8 +10,8 @@ from pvlib_fem._loop.criteria import HALF
 from pvlib_fem._loop.preparation.divided_record import Case
 from pvlib_fem._loop.references.comparisons import kind
 from pvlib_fem._loop.references.cross_checks import (
-    log_likelihoods,
     log_likelihoods_of_sizes,
+    weighed_by_references,
 )
 from pvlib_fem._loop.references.deviations import DailyDeviation, daily_deviations
 from pvlib_fem._loop.references.shown_changes import with_best_odds, with_own
@@ -22,7 +22,7 @@ from pvlib_fem._loop.selection.choice import Choice
 from pvlib_fem._loop.selection.dictionary import Candidate
 from pvlib_fem._loop.selection.noise import with_outside
 from pvlib_fem._loop.selection.refinement import refined
-from pvlib_fem._loop.selection.rivals import OVERLAP, weighed
+from pvlib_fem._loop.selection.rivals import OVERLAP
 from pvlib_fem._loop.selection.single_effects import Selection, selected
 from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._recovery.draw import Draw, dated_draws, same_days, with_ways
@@ -169,15 +169,15 @@ class Look:
         choices = refined(selection, choices)
         for i, one in enumerate(choices):
             others = [*choices[:i], *choices[i + 1 :]]
-            choice = weighed(selection, one, others)
+            compared = [one.given(others) for one in references]
+            given_all = others, compared, self.coefficients
+            choice, logs = weighed_by_references(selection, one, *given_all)
             mine = choice.members.get(self.one.name)
             if mine is None or not on_same_days(
                 mine.effect, self.one.effect, design.dates
             ):
                 continue
             given = selection.given(others)
-            compared = [one.given(others) for one in references]
-            logs = log_likelihoods(compared, choice, self.coefficients)
             choice = with_outside(design, choice, given, limits, logs)
             if self.one.name in choice.credible_names(limits.min_probability):
                 known = choice.untested <= HALF

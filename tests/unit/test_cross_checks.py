@@ -10,6 +10,7 @@ import study_instruments
 from pvlib.location import Location
 from scipy.signal import lfilter
 from test_instruments import DATES, closed, dated, half_a_year, with_change  # noqa: F401
+from test_selection import START, clock, offsets
 
 from pvlib_fem import close_loop, simulator
 from pvlib_fem._findings import CheckOutcome, Finding, Verdict
@@ -19,6 +20,7 @@ from pvlib_fem._loop.references.cross_checks import (
     log_likelihoods,
     log_likelihoods_of_sizes,
     outcome_of,
+    weighed_by_references,
 )
 from pvlib_fem._loop.references.deviations import (
     DailyDeviation,
@@ -32,7 +34,8 @@ from pvlib_fem._loop.references.shown_changes import (
     with_own,
 )
 from pvlib_fem._loop.selection.choice import Choice, Sized
-from pvlib_fem._loop.selection.dictionary import Candidate
+from pvlib_fem._loop.selection.dictionary import OF_A_PART, Candidate
+from pvlib_fem._loop.selection.rivals import weighed
 from pvlib_fem._record.column_names import COLUMNS, is_cross_check, is_power, twin_of
 from pvlib_fem._stored import Stored, as_json
 from pvlib_fem.effects import CHANGES, EFFECTS
@@ -449,6 +452,28 @@ def test_power_has_worse_odds_than_a_second_sensor():
     both = [deviation_of(name, stepped) for name in ("power_ac", "poa_global_2")]
     (one,) = shown_changes(both).values()
     assert one.log_odds == 0.0
+
+
+def test_references_decide_between_a_trend_of_the_record_and_of_a_part():
+    """By the temperature, it ends where another change hides what follows."""
+    (days, hours), random = clock(730), np.random.default_rng(6)
+    every, fades = np.arange(730), np.arange(730) / 365.25
+    rest = days / 365.25 - 1.2 * (days >= 500) + noise_of(7, days, 0.5)
+    selection = offsets(rest, days, hours)
+    base = [*selection.design.base]
+    (step,) = (c for c in selection.candidates(base) if c.time_profile == "step")
+    choice = Choice(step, selection.score(step, base))
+    (dark,) = (one for one in COMPARISONS if "module_offset" in one.shows)
+
+    def trend_by(apart):
+        apart = random.normal(0.0, 0.05, len(every)) - apart
+        second = DailyDeviation(dark, "temp_module_2", START + every, apart, None)
+        one, _ = weighed_by_references(selection, choice, [], [second], {})
+        return one.members["module_offset_drift"]
+
+    assert weighed(selection, choice, []).members["module_offset_drift"].dates
+    assert trend_by(fades).effect.settings == {"since": "2023-01-01"}
+    assert trend_by(np.where(every < 500, fades, 0.0)).time_profile == OF_A_PART
 
 
 def shown_changes(references):

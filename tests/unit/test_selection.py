@@ -347,6 +347,17 @@ def test_a_range_is_wider_where_two_estimates_differ():
     assert low < value - 1.0 < value + 1.0 < high
 
 
+def test_rivals_are_those_of_what_is_explained_given_the_same_others():
+    """A choice that was found without the others explained more than it does now."""
+    random, (days, hours) = np.random.default_rng(3), clock(365)
+    rest = 2.0 * (days >= 180) + noise(random, len(days))
+    selection = offsets(rest, days, hours)
+    now = selection.best([])
+    before = replace(now, score=replace(now.score, fall=10.0 * now.fall))
+    names = [{*weighed(selection, one, []).members} for one in (now, before)]
+    assert names[0] == names[1] and len(names[0]) > 1
+
+
 def offset_by_reference(**shown):
     """The finding of an offset, with its size by a reference."""
     random, (days, hours) = np.random.default_rng(3), clock(365)

@@ -10,6 +10,8 @@ from pvlib_fem._findings import OUTSIDE, CheckOutcome, CrossCheck
 from pvlib_fem._loop.references.comparisons import SLACK
 from pvlib_fem._loop.references.deviations import DailyDeviation, Shown
 from pvlib_fem._loop.selection.choice import SizeByReference, Sized
+from pvlib_fem._loop.selection.dictionary import OF_A_PART
+from pvlib_fem._loop.selection.rivals import weighed
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import (
     is_compared,
@@ -21,6 +23,7 @@ from pvlib_fem.effects._time_profiles import (
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.selection.choice import Choice
+    from pvlib_fem._loop.selection.single_effects import Selection
 
 HALF = 0.5  # of what is expected: less is nearer to nothing
 SURE = 2.0  # standard errors
@@ -80,6 +83,58 @@ def log_likelihoods(
                 if shown is not None:
                     logs[name] += one.weight * log_likelihood(shown, any_size)
     return logs
+
+
+def weighed_by_references(
+    selection: "Selection",
+    choice: "Choice",
+    others: Sequence["Choice"],
+    references: Sequence[DailyDeviation],
+    coefficients: Mapping[str, float],
+) -> tuple["Choice", dict[str, float]]:
+    """
+    A choice with its rivals, and their log-likelihoods by references.
+
+    Of a sensor, the temperature may show a trend of a part of the record best, since it
+    ends with another change. If references rather show one of the whole record, it is
+    the rival.
+
+    Parameters
+    ----------
+    selection : Selection
+    choice : Choice
+        With its best candidate alone.
+    others : sequence of Choice
+        Choices that are given.
+    references : sequence of DailyDeviation
+        Given the others.
+    coefficients : dict
+        Of the fitted model.
+
+    Returns
+    -------
+    Choice, dict of float
+        See :func:`log_likelihoods`.
+    """
+    one = weighed(selection, choice, others)
+    logs = log_likelihoods(references, one, coefficients)
+    names = [n for n, m in one.members.items() if m.time_profile == OF_A_PART]
+    if choice.top.name in names or not any(ref.concerned(one) for ref in references):
+        return one, logs
+    if names:
+        whole = weighed(selection, choice, others, without=OF_A_PART)
+        by_whole = log_likelihoods(references, whole, coefficients)
+        if odds_of(names, whole, by_whole) > odds_of(names, one, logs):
+            return whole, by_whole
+    return one, logs
+
+
+def odds_of(names: Sequence[str], choice: "Choice", logs: Mapping[str, float]) -> float:
+    """Odds of some members of a choice against all others, by references, too."""
+    most = max(logs.values())
+    shares = {n: w * np.exp(logs[n] - most) for n, w in choice.weights.items()}
+    mine = sum(shares.get(name, 0.0) for name in names)
+    return float(mine / max(sum(shares.values()) - mine, 1e-300))
 
 
 def log_likelihoods_of_sizes(

@@ -14,6 +14,7 @@ from pvlib_fem.effects._time_profiles import time_profile_of
 
 DATES = "at", "start", "end"  # names of dates in the settings of a change
 PART = *DATES, "resets"  # of a trend that is not of the whole record
+OF_A_PART = "drift of a part"  # time profile of such a trend
 RARE = {"air_elsewhere": 0.05}  # times the odds of others
 SIZES = 4.0  # standard deviations of sizes between the bounds of a coefficient
 SLACK_ERRORS = 2.0  # standard errors by which a tangent may miss a bound
@@ -48,7 +49,7 @@ class Candidate:
         """Its time profile, and whether a trend is of a part of the record; or ""."""
         name = time_profile_of(self.effect) if self.effect.sensor_fault else ""
         part = name == "drift" and any(n in self.effect.settings for n in PART)
-        return f"{name} of a part" if part else name
+        return OF_A_PART if part else name
 
     @property
     def change(self) -> Changed:

@@ -17,7 +17,9 @@ OVERLAP = 0.3  # share of the best one's part, from which another is its rival
 DOUBT = 0.5  # probability below which another is no rival
 
 
-def weighed(selection: Selection, choice: Choice, others: Sequence[Choice]) -> Choice:
+def weighed(
+    selection: Selection, choice: Choice, others: Sequence[Choice], without: str = ""
+) -> Choice:
     """
     A choice with its rivals, by how much of its part each explains.
 
@@ -28,6 +30,8 @@ def weighed(selection: Selection, choice: Choice, others: Sequence[Choice]) -> C
         With its best candidate alone.
     others : sequence of Choice
         Choices that are given.
+    without : str, optional
+        A time profile that no rival has.
 
     Returns
     -------
@@ -39,9 +43,11 @@ def weighed(selection: Selection, choice: Choice, others: Sequence[Choice]) -> C
     searched = {top.name: top}
     # a change that is in the model may be the cause of other days, too
     taken = selection.taken(others)
-    rivals = [one for one in selection.candidates(given) if one.beyond(given)]
-    falls = zip(rivals, selection.in_sample(rivals, given))
-    rivals = [one for one, fall in falls if fall >= OVERLAP * choice.fall]
+    rivals = selection.candidates(given, without=without)
+    rivals = [one for one in rivals if one.beyond(given)]
+    # the others may explain more of its part than those given which it was found
+    mine, *falls = selection.in_sample([top, *rivals], given)
+    rivals = [one for one, fall in zip(rivals, falls) if fall >= OVERLAP * mine]
     for one in rivals:
         if selection.alike(top, one, given) >= OVERLAP:
             score = selection.score(one, given)
