@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pvlib_fem._loop.references.power_events import more_light
 from pvlib_fem._record.column_names import is_power
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._recovery.draw import Injection
@@ -74,13 +75,11 @@ class Injector:
         return self.added(model, effect.drivers, *parts)
 
     def more_light(self, effect: Effect, coefficients: dict) -> np.ndarray:
-        """Share of light that the modules receive more than the sensor shows."""
+        """Share of light that the modules receive more than the sensor shows. [-]"""
         if effect.sensor_fault:
             (change,) = coefficients.values()
             return change * weights_of(effect, self.record.dates)
-        inputs = derive_drivers(self.record.inputs, effect.drivers)
-        poa, heat = inputs["poa_global"], effect.at(inputs.columns, coefficients).heat
-        return np.divide(heat, poa, out=np.zeros(len(poa)), where=poa > 0.0)
+        return more_light(effect, self.record.inputs, coefficients)
 
     def more_power(self, more: np.ndarray) -> dict[str, np.ndarray]:
         """What power gets of more light on the modules, by its column."""

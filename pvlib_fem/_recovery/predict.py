@@ -204,7 +204,7 @@ class Look:
         shows = reference.comparison.shows.get(kind(effect))
         if shows is None or effect.turns:
             return reference
-        change = shows(size * reference.profile(effect), self.coefficients)
+        change = shows(reference.change(effect, size), self.coefficients)
         return replace(reference, apart=reference.apart + change)
 
 

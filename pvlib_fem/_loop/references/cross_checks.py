@@ -119,13 +119,13 @@ def weighed_by_references(
     one = weighed(selection, choice, others)
     logs = log_likelihoods(references, one, coefficients)
     names = [n for n, m in one.members.items() if m.time_profile == OF_A_PART]
-    if choice.top.name in names or not any(ref.concerned(one) for ref in references):
+    compared = any(reference.concerned(one) for reference in references)
+    if not names or choice.top.name in names or not compared:
         return one, logs
-    if names:
-        whole = weighed(selection, choice, others, without=OF_A_PART)
-        by_whole = log_likelihoods(references, whole, coefficients)
-        if odds_of(names, whole, by_whole) > odds_of(names, one, logs):
-            return whole, by_whole
+    whole = weighed(selection, choice, others, without=OF_A_PART)
+    by_whole = log_likelihoods(references, whole, coefficients)
+    if odds_of(names, whole, by_whole) > odds_of(names, one, logs):
+        return whole, by_whole
     return one, logs
 
 

@@ -115,6 +115,12 @@ class DailyDeviation:
             return weights_of(effect, self.days)
         return self.light(effect, 1.0)
 
+    def change(self, effect: Effect, size: float) -> np.ndarray:
+        """What an effect of a size changes on each day: a reading, or the light."""
+        if effect.sensor_fault:
+            return size * weights_of(effect, self.days)
+        return self.light(effect, size)
+
     def given_own(self, first: Effect) -> Self:
         """
         The deviation given what references show, if nothing along a time profile.
@@ -317,10 +323,7 @@ class DailyDeviation:
         coefficients: Mapping[str, float],
     ) -> float:
         """The deviation that a change of a size would make along a time profile."""
-        if effect.sensor_fault:
-            change = size * weights_of(effect, self.days)
-        else:
-            change = self.light(effect, size)
+        change = self.change(effect, size)
         shows = self.comparison.shows[kind(effect)]
         with np.errstate(invalid="ignore", divide="ignore"):
             shown = shows(change, coefficients)

@@ -13,6 +13,7 @@ from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers import derive_drivers
 from pvlib_fem.drivers._plant_irradiance import light_shown
 from pvlib_fem.effects import find
+from pvlib_fem.effects._effect import Effect
 from pvlib_fem.power import fit_power_arrays
 from pvlib_fem.scores import row_hours
 
@@ -26,7 +27,6 @@ EVENTS = (*KINDS, "underperformance")
 BY_POWER = (*KINDS, "electrical_output")
 #: sensor faults by which the modules receive more than the sensor reads
 OF_LIGHT = ("irradiance_sensor", "module_irradiance")
-TINY = 1e-9  # W/m²
 EXTRA = ("temp_air", "wind_speed", "snow_depth")
 
 
@@ -93,14 +93,36 @@ def true_over_read(
 ) -> np.ndarray | float:
     """Irradiance on the modules over what the sensor reads, by the model. [-]"""
     ratio: np.ndarray | float = 1.0
-    poa = np.maximum(inputs["poa_global"], TINY)
     for effect in model.effects:
         if effect.loses_light or effect.sensor_fault in OF_LIGHT:
-            columns = derive_drivers(inputs, effect.drivers).columns
-            heat = effect.at(columns, step.coefficients).heat
-            # where its driver is missing, as in the model
-            ratio = ratio * (1.0 + np.nan_to_num(heat / poa))
+            ratio = ratio * (1.0 + more_light(effect, inputs, step.coefficients))
     return ratio
+
+
+def more_light(
+    effect: Effect, inputs: Inputs, coefficients: dict[str, float]
+) -> np.ndarray:
+    """
+    Share of light that the modules receive more than the sensor shows. [-]
+
+    Parameters
+    ----------
+    effect : Effect
+        Whose heat is that light.
+    inputs : Inputs
+        With the columns of its drivers.
+    coefficients : dict
+        Its own, perhaps with others.
+
+    Returns
+    -------
+    array, shape (rows,)
+        0 in the dark, and where a driver is missing, as in the model.
+    """
+    columns = derive_drivers(inputs, effect.drivers).columns
+    heat, poa = effect.at(columns, coefficients).heat, inputs["poa_global"]
+    share = np.divide(heat, poa, out=np.zeros(len(poa)), where=poa > 0.0)
+    return np.nan_to_num(share)
 
 
 def without_power(step: "Step", model: ThermalModel, inputs: Inputs) -> np.ndarray:
