@@ -1,5 +1,6 @@
 """What other columns say of an instrument that has changed."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -474,6 +475,43 @@ def test_references_decide_between_a_trend_of_the_record_and_of_a_part():
     assert weighed(selection, choice, []).members["module_offset_drift"].dates
     assert trend_by(fades).effect.settings == {"since": "2023-01-01"}
     assert trend_by(np.where(every < 500, fades, 0.0)).time_profile == OF_A_PART
+
+
+def test_a_change_at_the_dates_of_a_reference_is_a_rival():
+    """By the temperature, a trend is most like a step between two others."""
+    (days, hours), every = clock(730), np.arange(730)
+    rest = 1.0 * (days >= 250) + 1.0 * (days >= 480) + noise_of(7, days, 0.5)
+    selection = offsets(rest, days, hours)
+    base = [*selection.design.base]
+    (trend,) = (c for c in selection.candidates(base) if c.time_profile == "drift")
+    choice = Choice(trend, selection.score(trend, base))
+    (dark,) = (one for one in COMPARISONS if "module_offset" in one.shows)
+
+    def step_by(day, size):
+        apart = noise_of(6, every, 0.05) - size * (every >= day)
+        second = DailyDeviation(dark, "temp_module_2", START + every, apart, None)
+        informed = replace(selection, shown=shown_changes([second]))
+        one, _ = weighed_by_references(informed, choice, [], [second], {})
+        return one.members["module_offset_step"].effect.settings["at"]
+
+    assert step_by(250, 1.0) == "2023-09-08"
+    # a reference that shows what the temperature does not is no better date
+    plain = weighed(selection, choice, []).members["module_offset_step"]
+    assert step_by(100, 0.02) == plain.effect.settings["at"] != "2023-09-08"
+
+
+def test_a_step_that_power_and_a_clear_sky_date_is_no_dirt():
+    """The temperature alone prefers the trend of another sensor."""
+    _, data, (world, sensor, course, size, (day, _), _) = study_instruments.made(61042)
+    assert (sensor, course) == ("irradiance_sensor", "step")
+    loop = close_loop(data, check_units=False, **world.place)
+    (step,) = (f for f in loop.finding_objects if f.effect == f"{sensor}_step")
+    assert step.verdict is Verdict.IDENTIFIED
+    assert [*step.coefficients.values()] == pytest.approx([size], abs=0.02)
+    first = (data.index[0] + pd.Timedelta(days=day)).ceil("D")  # the first whole day
+    assert step.place.startswith(f"{first:%Y-%m-%d}")
+    added = [f for f in loop.finding_objects if f.added]
+    assert all(check.passed for f in added for check in f.checks)
 
 
 def shown_changes(references):

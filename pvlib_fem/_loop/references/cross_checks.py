@@ -1,6 +1,6 @@
 """Cross-checks of the candidates of a choice, by how they deviate from references."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -23,6 +23,7 @@ from pvlib_fem.effects._time_profiles import (
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.selection.choice import Choice
+    from pvlib_fem._loop.selection.dictionary import Candidate
     from pvlib_fem._loop.selection.single_effects import Selection
 
 HALF = 0.5  # of what is expected: less is nearer to nothing
@@ -95,9 +96,10 @@ def weighed_by_references(
     """
     A choice with its rivals, and their log-likelihoods by references.
 
-    Of a sensor, the temperature may show a trend of a part of the record best, since it
-    ends with another change. If references rather show one of the whole record, it is
-    the rival.
+    The dates of a rival are those by which it explains most of the temperature, and
+    these may be of another change: a trend that ends with it, or a step at another
+    date. A trend of the whole record, and a change at the dates that references show,
+    are the rivals instead if these make them more probable.
 
     Parameters
     ----------
@@ -118,15 +120,29 @@ def weighed_by_references(
     """
     one = weighed(selection, choice, others)
     logs = log_likelihoods(references, one, coefficients)
-    names = [n for n, m in one.members.items() if m.time_profile == OF_A_PART]
-    compared = any(reference.concerned(one) for reference in references)
-    if not names or choice.top.name in names or not compared:
+    if not any(reference.concerned(one) for reference in references):
         return one, logs
-    whole = weighed(selection, choice, others, without=OF_A_PART)
-    by_whole = log_likelihoods(references, whole, coefficients)
-    if odds_of(names, whole, by_whole) > odds_of(names, one, logs):
-        return whole, by_whole
+    best: list[Candidate] = []
+    for more in other_dates(selection, one, others):
+        instead = [*more, *best]
+        other = weighed(selection, choice, others, instead)
+        by_other = log_likelihoods(references, other, coefficients)
+        names = [rival.name for rival in selection.with_same_law(more)]
+        if odds_of(names, other, by_other) > odds_of(names, one, logs):
+            one, logs, best = other, by_other, instead
     return one, logs
+
+
+def other_dates(
+    selection: "Selection", choice: "Choice", others: Sequence["Choice"]
+) -> Iterator[list["Candidate"]]:
+    """Rivals of a choice at other dates: whole trends, and what references show."""
+    closed, given = selection.taken([choice, *others]), selection.given(others)
+    parts = {n for n, one in choice.members.items() if one.time_profile == OF_A_PART}
+    found = selection.candidates(given, closed, without=OF_A_PART)
+    whole = [one for one in found if one.name in parts and is_drift(one.effect)]
+    shown = [one for one in selection.shown_candidates() if one.name not in closed]
+    yield from filter(None, (whole, shown))
 
 
 def odds_of(names: Sequence[str], choice: "Choice", logs: Mapping[str, float]) -> float:

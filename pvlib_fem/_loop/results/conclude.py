@@ -62,7 +62,8 @@ def finding_of(
     limits = case.criteria
     credible = choice.credible_names(limits.min_probability)
     names = (effect.name, *(n for n in credible if n not in (effect.name, OUTSIDE)))
-    score, gain = choice.scores[effect.name], float(np.sqrt(choice.fall))
+    # those of the best candidate: that there is one is not a question of which it is
+    score, gain = choice.score, float(np.sqrt(choice.fall))
     untested, snow = choice.untested, choice.probabilities.get(SNOW, 0.0)
     why = because(Reason.GAINED, gain=gain)
     verdict = Verdict.IDENTIFIED if credible == [effect.name] else Verdict.AMBIGUOUS

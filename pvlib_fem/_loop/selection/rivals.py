@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,12 +14,18 @@ from pvlib_fem._loop.selection.single_effects import Selection
 from pvlib_fem._statistics.weekly_sums import LeastSquares
 from pvlib_fem.effects._effect import Effect
 
+if TYPE_CHECKING:
+    from pvlib_fem._loop.selection.dictionary import Candidate
+
 OVERLAP = 0.3  # share of the best one's part, from which another is its rival
 DOUBT = 0.5  # probability below which another is no rival
 
 
 def weighed(
-    selection: Selection, choice: Choice, others: Sequence[Choice], without: str = ""
+    selection: Selection,
+    choice: Choice,
+    others: Sequence[Choice],
+    instead: Sequence["Candidate"] = (),
 ) -> Choice:
     """
     A choice with its rivals, by how much of its part each explains.
@@ -30,8 +37,8 @@ def weighed(
         With its best candidate alone.
     others : sequence of Choice
         Choices that are given.
-    without : str, optional
-        A time profile that no rival has.
+    instead : sequence of Candidate, optional
+        Rivals instead of those with the same name that the temperature shows best.
 
     Returns
     -------
@@ -43,7 +50,9 @@ def weighed(
     searched = {top.name: top}
     # a change that is in the model may be the cause of other days, too
     taken = selection.taken(others)
-    rivals = selection.candidates(given, without=without)
+    replaced = {one.name for one in instead}
+    found = selection.candidates(given)
+    rivals = [*instead, *(one for one in found if one.name not in replaced)]
     rivals = [one for one in rivals if one.beyond(given)]
     # the others may explain more of its part than those given which it was found
     mine, *falls = selection.in_sample([top, *rivals], given)
