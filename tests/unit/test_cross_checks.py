@@ -170,7 +170,7 @@ def test_a_copy_of_a_sensor_is_no_surer_than_a_thousandth(half_a_year):  # noqa:
 
 
 def season_or_drift(
-    other, taken=(), light=lambda effect, size: np.zeros(365), size=0.12, z_score=10.0
+    other, taken=(), light=lambda effect: np.zeros(365), size=0.12, z_score=10.0
 ):
     """
     What power says of a sensor that fades, and of an effect without a date.
@@ -239,7 +239,7 @@ def deviation_of(column, apart):
     """A reference that deviates from day to day by so much."""
     days = 19000 + np.arange(len(apart))
     comparison = next(one for one in COMPARISONS if one.serves(column))
-    return DailyDeviation(comparison, column, days, apart, lambda effect, size: days)
+    return DailyDeviation(comparison, column, days, apart, lambda effect: days)
 
 
 @pytest.mark.parametrize("off", [-6, -1, 0, 4, 30])
@@ -630,7 +630,7 @@ def hints_of(data):
 def test_soiling_shows_where_its_light_does():
     """It speaks as well for dirt that gathers as for a sensor that fades as much."""
     years = np.arange(365) / 365.25
-    even = season_or_drift("soiling", light=lambda effect, size: 0.12 * years)
+    even = season_or_drift("soiling", light=lambda effect: years)
     assert abs(even) < 0.5 < season_or_drift("soiling")
 
 
@@ -642,11 +642,7 @@ def test_dirt_is_compared_by_the_light_that_it_takes_each_day():
 
     def compared(column, apart, *changes):
         (comparison,) = (one for one in COMPARISONS if one.serves(column))
-
-        def light(effect, size):
-            return size * dirt
-
-        one = DailyDeviation(comparison, column, 19000 + days, apart, light)
+        one = DailyDeviation(comparison, column, 19000 + days, apart, lambda _: dirt)
         return log_likelihoods_of_sizes([one], {}, [[one] for one in changes])
 
     dirty = noise + np.log1p(rate * dirt)

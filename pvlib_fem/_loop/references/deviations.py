@@ -75,8 +75,8 @@ class DailyDeviation:
     column: str
     days: np.ndarray  # since 1970-01-01
     apart: np.ndarray
-    #: of an effect of a size, more light on the modules [-]
-    light: Callable[[Effect, float], np.ndarray]
+    #: of an effect, more light on the modules for one unit of its size [-]
+    light: Callable[[Effect], np.ndarray]
     others: tuple[np.ndarray, ...] = ()  # daily columns of changes that are known
     #: of its evidence; columns of power are of the same modules and count once together
     weight: float = 1.0
@@ -113,13 +113,12 @@ class DailyDeviation:
         """Its part of each day; of dirt the light that it takes, per unit."""
         if is_dated(effect):
             return weights_of(effect, self.days)
-        return self.light(effect, 1.0)
+        return self.light(effect)
 
     def change(self, effect: Effect, size: float) -> np.ndarray:
         """What an effect of a size changes on each day: a reading, or the light."""
-        if effect.sensor_fault:
-            return size * weights_of(effect, self.days)
-        return self.light(effect, size)
+        sensor = effect.sensor_fault
+        return size * (weights_of(effect, self.days) if sensor else self.light(effect))
 
     def given_own(self, first: Effect) -> Self:
         """
@@ -429,9 +428,9 @@ def daily_deviation(
     if near.sum() < comparison.fewest:
         return None
 
-    known: dict[str, np.ndarray] = {}  # by an effect with its settings, per unit
+    known: dict[str, np.ndarray] = {}  # by an effect with its settings
 
-    def light(effect: Effect, size: float) -> np.ndarray:
+    def light(effect: Effect) -> np.ndarray:
         key = f"{effect.name} {effect.settings}"
         if key not in known:
             # only the record of a loop has candidates
@@ -443,7 +442,7 @@ def daily_deviation(
                 for column in (heat, record["poa_global"])
             )
             known[key] = (more / np.maximum(whole, 1e-9))[near]
-        return size * known[key]
+        return known[key]
 
     return DailyDeviation(comparison, name, days[near], deviation[near], light)
 
