@@ -12,6 +12,7 @@ from pvlib_fem._loop.preparation.leaks import leaks
 from pvlib_fem._loop.preparation.prepare import is_before_the_sun
 from pvlib_fem._loop.references.cross_checks import (
     cross_checked,
+    date_costs,
     log_likelihoods_of_sizes,
     weighed_by_references,
 )
@@ -385,13 +386,17 @@ class Search:
         self, this: Round, choice: Choice, others: Sequence[Choice]
     ) -> tuple[Choice, Effect, Finding]:
         """A choice given others with its probabilities, its effect, the finding."""
-        selection, case = this.selection, self.case
+        selection, case, own = this.selection, self.case, this.coefficients
         one, references = self.weighed(this, choice, others)
-        effect = selection.dated(one, one.first, selection.given(others))
+        dated = partial(selection.dated, one, one.first, selection.given(others))
+        effect = dated()
         if effect.turns:
             size = float(one.scores[one.first].estimate[0])
             effect = by_power(case, effect, size)
-        one = cross_checked(references, one, effect, this.coefficients)
+        one = cross_checked(references, one, effect, own)
+        if (costs := date_costs(references, one, effect.name)) is not None:
+            effect = dated(costs)
+            one = cross_checked(references, one, effect, own)
         return one, effect, finding_of(one, effect, case, selection.least)
 
     def on_own_steps(self, step: Step) -> Step:

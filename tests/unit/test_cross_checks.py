@@ -18,6 +18,8 @@ from pvlib_fem._findings import CheckOutcome, Finding, Verdict
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.references.comparisons import COMPARISONS, SKY, USUAL_WIND
 from pvlib_fem._loop.references.cross_checks import (
+    cross_checked,
+    date_costs,
     log_likelihoods,
     log_likelihoods_of_sizes,
     outcome_of,
@@ -498,6 +500,42 @@ def test_a_change_at_the_dates_of_a_reference_is_a_rival():
     # a reference that shows what the temperature does not is no better date
     plain = weighed(selection, choice, []).members["module_offset_step"]
     assert step_by(100, 0.02) == plain.effect.settings["at"] != "2023-09-08"
+
+
+@pytest.mark.parametrize("profile", ["step", "episode", "drift"])
+def test_a_reference_that_shows_a_change_narrows_its_dates(profile):
+    """It is sharper than the temperature, which alone knows the date to some weeks."""
+    (days, hours), every = clock(730), np.arange(730)
+    dates = {
+        "step": {"at": "2023-09-08"},
+        "episode": {"start": "2023-09-08", "end": "2024-03-01"},
+        "drift": {"start": "2023-09-08"},
+    }[profile]
+    change = CHANGES[f"module_offset_{profile}"].make(**dates)
+    rest = 0.8 * weights_of(change, START + days) + noise_of(7, days, 1.0)
+    selection = offsets(rest, days, hours)
+    base = [*selection.design.base]
+    top = selection.candidate_of(change)
+    (dark,) = (one for one in COMPARISONS if "module_offset" in one.shows)
+
+    def days_of(size):
+        apart = noise_of(6, every, 0.02) - size * weights_of(change, START + every)
+        second = DailyDeviation(dark, "temp_module_2", START + every, apart, None)
+        choice = weighed(selection, Choice(top, selection.score(top, base)), [])
+        choice = replace(choice, probabilities={change.name: 1.0})
+        choice = cross_checked([second], choice, change, {})
+        costs = date_costs([second], choice, change.name)
+        found = selection.dated(choice, change.name, base, costs).settings
+        begin, first, last = (
+            np.datetime64(date)
+            for date in (found.get("at") or found["start"], *found["between"])
+        )
+        assert first <= np.datetime64("2023-09-08") <= last
+        assert first <= begin <= last
+        return int((last - first).astype(int))
+
+    alone, narrow = days_of(0.0), days_of(0.8)
+    assert narrow <= 0.3 * alone
 
 
 def test_a_step_that_power_and_a_clear_sky_date_is_no_dirt():

@@ -22,6 +22,7 @@ from pvlib_fem.effects._time_profiles import (
 )
 
 if TYPE_CHECKING:
+    from pvlib_fem._loop.selection.change_dates import Costs
     from pvlib_fem._loop.selection.choice import Choice
     from pvlib_fem._loop.selection.dictionary import Candidate
     from pvlib_fem._loop.selection.single_effects import Selection
@@ -303,6 +304,34 @@ def cross_checked(
             checks.append(CrossCheck(one.column, name, *numbers, outcome, unit))
     joint = {name: SizeByReference.of_all(several) for name, several in sizes.items()}
     return replace(choice, cross_checks=tuple(checks), by_reference=joint)
+
+
+def date_costs(
+    references: Sequence[DailyDeviation], choice: "Choice", name: str
+) -> "Costs | None":
+    """
+    How much worse each of some changes is by references than the best of them.
+
+    Parameters
+    ----------
+    references : sequence of DailyDeviation
+    choice : Choice
+        With the sizes of its members by references.
+    name : str
+        Of a member.
+
+    Returns
+    -------
+    callable or None
+        Of changes like the member that differ in their dates. None if no reference
+        shows the member.
+    """
+    effect, joint = choice.members[name].effect, choice.joint(name)
+    if joint is None or not effect.sensor_fault:
+        return None
+    showing = [one for one in references if one.column in joint.columns]
+    showing = [one for one in showing if one.concerns(effect)]
+    return lambda effects: np.sum([one.costs(effects) for one in showing], axis=0)
 
 
 def outcome_of(

@@ -252,6 +252,20 @@ class DailyDeviation:
             explained = beyond[best] * part[best] / squares[best]
         return rest - explained
 
+    def costs(self, effects: Sequence[Effect]) -> np.ndarray:
+        """Twice the log-likelihood by which each change is worse than the best."""
+        basis, rest = self.basis, self.beyond_usual
+        weights = np.array([weights_of(effect, self.days) for effect in effects])
+        beyond = weights - weights @ basis @ basis.T
+        squares = np.square(beyond).sum(axis=1)
+        squares[squares <= UNSEEN * np.square(weights).sum(axis=1)] = np.inf
+        parts = beyond @ rest
+        remain = rest @ rest - parts**2 / squares
+        best = int(np.argmin(remain))
+        residual = rest - beyond[best] * parts[best] / squares[best]
+        draws = independent_months(residual, self.days // MONTH)
+        return self.weight * draws * np.log(remain / remain[best])
+
     def concerns(self, effect: Effect) -> bool:
         """Whether it would show something of a change."""
         return kind(effect) in self.comparison.shows and is_compared(effect)

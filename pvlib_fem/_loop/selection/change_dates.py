@@ -1,6 +1,6 @@
 """Dates of steps, trends and temporary changes that the remaining error shows best."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Self
 
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 USUAL = 2.0  # times the median of the daily residuals: beyond it a day counts less
 MOST_SURE = 6.0  # standard errors, beyond which a date is not surer
 LIKELY = 3.84  # twice the log-likelihood by which 95 % of dates are as good
+#: of changes, twice the log-likelihood by which each is worse than the best of them
+Costs = Callable[[Sequence[Effect]], np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,11 +152,14 @@ class Scan:
         low, high = ratios[order[np.searchsorted(share, [0.05, 0.95])]]
         return min(float(low), 1.0), max(float(high), 1.0)
 
-    def first_days(self, change: "Changed", errors: float) -> Effect:
+    def first_days(
+        self, change: "Changed", errors: float, costs: Costs | None = None
+    ) -> Effect:
         """
         The change with the days between which it may have begun.
 
-        By ``errors`` standard errors its size differs from nothing.
+        By ``errors`` standard errors its size differs from nothing. With ``costs``, it
+        begins on the day that is best by these, too.
         """
         effect, dates, days = change.effect, change.effect.settings, self.design.dates
         if not {"at", "start"} & {*dates}:
@@ -167,13 +172,26 @@ class Scan:
         most = max(falls[min(max(best - 1, 0), len(falls) - 1)], 1e-12)
         # the difference to the best date's part, in standard errors of that part
         worse = (1.0 - falls / most) * min(errors, MOST_SURE) ** 2
-        good = np.append(starts[worse <= LIKELY], best)
+        good = starts[worse <= LIKELY]
+        if costs is not None and len(good):
+            begun = [begun_on(effect, self.date_at(place)) for place in good]
+            joint = worse[good - 1] + costs(begun)
+            best = int(good[np.argmin(joint)])
+            good = good[joint - joint.min() <= LIKELY]
+            dates = begun_on(effect, self.date_at(best)).settings
+        good = np.append(good, best)
         # the days with rows around a date may not be neighbours
         between = [
             date_text(days[good.min() - 1] + 1),
             date_text(days[min(good.max(), len(days) - 1)]),
         ]
         return effect.make(**{**dates, "between": between})
+
+
+def begun_on(effect: Effect, date: str) -> Effect:
+    """A change with another first day."""
+    name = "at" if "at" in effect.settings else "start"
+    return effect.make(**{**effect.settings, name: date})
 
 
 def places_in(days: np.ndarray, effect: Effect) -> tuple[int, int]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.regression.design import Changed, Column, Design
-from pvlib_fem._loop.selection.change_dates import Scan
+from pvlib_fem._loop.selection.change_dates import Costs, Scan
 from pvlib_fem._loop.selection.change_sums import PROFILE_ERROR, UNSEEN, dates_cost
 from pvlib_fem._loop.selection.choice import Choice, Score, ShownChange, Sized
 from pvlib_fem._loop.selection.dictionary import (
@@ -170,12 +170,18 @@ class Selection:
                 break
         return choices
 
-    def dated(self, choice: Choice, name: str, given: Sequence[Column]) -> Effect:
+    def dated(
+        self,
+        choice: Choice,
+        name: str,
+        given: Sequence[Column],
+        costs: Costs | None = None,
+    ) -> Effect:
         """The effect of a member, with the days between which its date is."""
         one, score = choice.members[name], choice.scores[name]
         if not one.effect.sensor_fault:
             return one.effect
-        return self.scan(given).first_days(one.change, score.z_score)
+        return self.scan(given).first_days(one.change, score.z_score, costs)
 
     def scan(self, given: Sequence[Column]) -> Scan:
         """The search for dates given some columns."""
