@@ -260,7 +260,8 @@ class DailyDeviation:
         squares = np.square(beyond).sum(axis=1)
         squares[squares <= UNSEEN * np.square(weights).sum(axis=1)] = np.inf
         parts = beyond @ rest
-        remain = rest @ rest - parts**2 / squares
+        whole = rest @ rest
+        remain = np.maximum(whole - parts**2 / squares, SUREST**2 * whole)
         best = int(np.argmin(remain))
         residual = rest - beyond[best] * parts[best] / squares[best]
         draws = independent_months(residual, self.days // MONTH)
