@@ -360,13 +360,6 @@ def known_effects(models: dict) -> bool:
     return any(model.effects for model in models.values())
 
 
-def normal_sums(
-    model: ThermalModel, coefficients: dict, source: Rows, names: list
-) -> Normal:
-    """Sums of products of slopes and residual, from one pass over a source."""
-    return source.sums({"": EvalRequest(model, coefficients)}, {"": names})[""]
-
-
 def daily_sums(
     model: ThermalModel,
     coefficients: dict,

@@ -13,7 +13,7 @@ from test_leastsquares import normal
 
 import pvlib_fem as fem
 from pvlib_fem._fitting import row_source as rows_of
-from pvlib_fem._fitting.row_source import Rows, daily_sums, normal_sums
+from pvlib_fem._fitting.row_source import EvalRequest, Rows, daily_sums
 from pvlib_fem._fitting.search import with_tables
 from pvlib_fem._loop.regression.tangents import Tangents, gapless_column
 from pvlib_fem._record.inputs import as_record
@@ -41,6 +41,11 @@ def record(kind, seed=0):
         late = random.integers(0, 200, len(data))
         data.index = data.index + pd.to_timedelta(late, unit="s")
     return as_record(*(data[name] for name in COLUMNS))
+
+
+def normal_sums(model, coefficients, source, names):
+    """Sums of products of slopes and residual, from one pass over a source."""
+    return source.sums({"": EvalRequest(model, coefficients)}, {"": names})[""]
 
 
 def model_of(law, dynamics, effects):

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 import pvlib_fem as fem
 from pvlib_fem._cli import main
 from pvlib_fem._fitting.parquet_rows import EvalRequest, first_pass, screened_for
-from pvlib_fem._fitting.row_source import Rows, normal_sums
+from pvlib_fem._fitting.row_source import Rows
 from pvlib_fem._record import parquet
 from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.filters import counted
@@ -68,7 +68,7 @@ def test_the_sums_of_files_are_those_of_memory(data, folder, dynamics):
     screened_files = screened_for(fem.open_parquet(folder), model)
     files = first_pass(screened_files, model, night=False)
     asked = {"": EvalRequest(model, found, "train")}
-    one = normal_sums(model, found, rows, model.free)
+    one = rows.sums({"": EvalRequest(model, found)}, {"": model.free})[""]
     other = files.sums(asked, {"": model.free})[""]
     assert other.squares == pytest.approx(one.squares, rel=1e-12)
     size = np.sqrt(np.outer(np.diag(one.normal), np.diag(one.normal)))
