@@ -254,18 +254,20 @@ class DailyDeviation:
 
     def costs(self, effects: Sequence[Effect]) -> np.ndarray:
         """Twice the log-likelihood by which each change is worse than the best."""
-        basis, rest = self.basis, self.beyond_usual
-        weights = np.array([weights_of(effect, self.days) for effect in effects])
-        beyond = weights - weights @ basis @ basis.T
-        squares = np.square(beyond).sum(axis=1)
-        squares[squares <= UNSEEN * np.square(weights).sum(axis=1)] = np.inf
-        parts = beyond @ rest
-        whole = rest @ rest
-        remain = np.maximum(whole - parts**2 / squares, SUREST**2 * whole)
-        best = int(np.argmin(remain))
-        residual = rest - beyond[best] * parts[best] / squares[best]
-        draws = independent_months(residual, self.days // MONTH)
-        return self.weight * draws * np.log(remain / remain[best])
+
+        def rest(effect: Effect) -> np.ndarray:
+            weights = weights_of(effect, self.days)
+            beyond = weights - self.basis @ (self.basis.T @ weights)
+            if not self.sees(weights):
+                return self.beyond_usual
+            part = (beyond @ self.beyond_usual) / (beyond @ beyond)
+            return self.beyond_usual - part * beyond
+
+        least = SUREST**2 * np.square(self.beyond_usual).sum()
+        squares = [max(float(np.square(rest(one)).sum()), least) for one in effects]
+        best = int(np.argmin(squares))
+        draws = independent_months(rest(effects[best]), self.days // MONTH)
+        return self.weight * draws * np.log(np.array(squares) / squares[best])
 
     def concerns(self, effect: Effect) -> bool:
         """Whether it would show something of a change."""
