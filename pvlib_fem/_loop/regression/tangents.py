@@ -252,7 +252,8 @@ def with_scanned(
             name, not_found = one.wide.name, one.wide.not_found
             if one.wide.confounder is not shapes:
                 continue
-            narrow = located_effect(unlocated, one, inputs, least) or located.get(name)
+            narrow = narrowed(unlocated, one, model, inputs, at, least)
+            narrow = narrow or located.get(name)
             if narrow is None:
                 evidence.failed[name] = because(not_found)
                 continue
@@ -260,6 +261,26 @@ def with_scanned(
             for _, own in tangents([Tried(narrow)], evidence.failed, there, at):
                 evidence = evidence.with_effect(narrow, own, one.known)
     return evidence
+
+
+def narrowed(
+    evidence: Evidence,
+    scanned: Scanned,
+    model: ThermalModel,
+    inputs: Inputs,
+    at: "Tangents",
+    least: float,
+) -> Effect | None:
+    """The effect that a scan finds; if that has a scan, what this finds near it."""
+    found = located_effect(evidence, scanned, inputs, least)
+    if found is None or not found.scan:
+        return found
+    wide = found.scanned_from or found
+    there = replace(model, effects=(wide,)).with_drivers(inputs)
+    for _, own in tangents([Tried(wide)], evidence.failed, there, at):
+        again = Scanned(found.scan, wide, own, scanned.known)
+        return narrowed(evidence, again, model, there, at, least)
+    return None
 
 
 def with_secants(

@@ -1,5 +1,7 @@
 """Soiling between rains, of the module or of the irradiance sensor."""
 
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -24,7 +26,7 @@ def terms(
     modelled), and negative if the module does. Constant soiling is in the coefficients
     of the steady model. Which rain cleans differs from site to site: 1 mm in an hour
     [2]_, 6 mm in a day and two weeks without dust after it [1]_. The scan takes the one
-    that the record shows.
+    that the record shows, first of a grid, then near that.
 
     References
     ----------
@@ -52,7 +54,7 @@ def soiling_by_rain(
     Kimber's values are 6 mm in 24 h, and 14 days of grace.
     """
     rain = {"cleaning": cleaning, "within": within}
-    return EFFECT.unscanned.made(**rain, dirtiest=dirtiest, grace=grace)
+    return SOILING.made(**rain, dirtiest=dirtiest, grace=grace)
 
 
 def every_rain(
@@ -74,8 +76,11 @@ RAINS = tuple(
     for within, grace in SPANS
     for amount in AMOUNTS
 )
+#: hours that are tried with rains near one of these
+NEAR = {1.0: (1.0, 2.5), 6.0: (2.5, 6.0, 12.0), 24.0: (12.0, 24.0)}
+STEPS = 4  # from one of the amounts to the next
 PER_DAY = Parameter(0.0, -0.01, 0.01, "1/day")
-EFFECT = Effect(
+SOILING = Effect(
     "soiling",
     terms,
     {"per_day": PER_DAY},
@@ -91,22 +96,42 @@ EFFECT = Effect(
     ),
     loses_light=True,
     imitable=True,  # ground dries, and gets warmer, by the time since rain
-    make=soiling_by_rain,
-    scan=partial(
-        best_setting,
-        parameter="soiling.per_day",
-        settings=RAINS,
-        make=soiling_by_rain,
-        either_sign=True,
-    ),
-    scanned_from=Effect(
+)
+
+
+def near(cleaning: float, within: float, grace: float) -> Effect:
+    """Soiling of which a scan looks for the rain that cleans near that of the grid."""
+    grid = [0.0, *AMOUNTS, 2.0 * AMOUNTS[-1]]
+    at = grid.index(cleaning)
+    around = np.interp(
+        np.arange(1, 2 * STEPS) / STEPS, [0.0, 1.0, 2.0], grid[at - 1 : at + 2]
+    )
+    rains = [
+        {"cleaning": amount, "within": hours, "grace": grace}
+        for hours in NEAR[within]
+        for amount in around.round(3).tolist()
+    ]
+    return scanned_over(rains, soiling_by_rain)
+
+
+def scanned_over(rains: Sequence[Mapping[str, float]], make: Callable) -> Effect:
+    """Soiling of which a scan looks for the rain that cleans among some."""
+    days = (Driver("days_since_rain", **rain) for rain in rains)
+    wide = Effect(
         "soiling",
         every_rain,
         {"even": Parameter(0.0, -1.0, 1.0, "-")}
-        | {f"per_day_{i}": PER_DAY for i in range(len(RAINS))},
-        columns=(
-            "poa_global",
-            *(Driver("days_since_rain", **rain) for rain in RAINS),
-        ),
-    ),
-)
+        | {f"per_day_{i}": PER_DAY for i in range(len(rains))},
+        columns=("poa_global", *days),
+    )
+    scan = partial(
+        best_setting,
+        parameter="soiling.per_day",
+        settings=rains,
+        make=make,
+        either_sign=True,
+    )
+    return replace(SOILING, make=soiling_by_rain, scan=scan, scanned_from=wide)
+
+
+EFFECT = scanned_over(RAINS, near)
