@@ -28,6 +28,11 @@ from pvlib_fem.effects._effect import (
     Terms,
     linearised,
 )
+from pvlib_fem.effects.catalogue.soiling import (
+    RAINS,
+    scanned_over,
+    soiling_by_rain,
+)
 from pvlib_fem.reasons import Reason
 
 #: planted coefficients, of the size that is found outdoors
@@ -913,6 +918,52 @@ def test_the_record_decides_which_rain_cleans(plant, noise, rain):
     assert np.mean(np.abs(clean[0] - clean[1]) < 0.25) > 0.98
     found = loop.fit.coefficients["soiling.per_day"]
     assert found == pytest.approx(-0.005, rel=0.1)
+
+
+def test_a_rain_between_those_of_the_grid_is_found_near_it():
+    """Of dirt that any rain cleans, a second scan explains more than the first."""
+    random, days = np.random.default_rng(1), 730
+    index = pd.date_range("2023-01-01", periods=24 * days, freq="h", tz="Etc/GMT-1")
+    light = np.maximum(np.sin(2.0 * np.pi * (index.hour - 6.0) / 24.0), 0.0) * 900.0
+    hours, start = (random.integers(*ends, days)[:, None] for ends in ((1, 13), (0, 9)))
+    falls = (np.arange(24) >= start) & (np.arange(24) < start + hours)
+    amount = random.gamma(0.7, 8.0, days) * (random.random(days) < 0.2)
+    rate = (falls * (amount / falls.sum(axis=1))[:, None]).ravel()
+    frame = pd.DataFrame({"precipitation": rate, "poa_global": light}, index)
+    inputs = read({name: frame[name] for name in frame})
+    light = inputs["poa_global"]
+
+    def lost(driver):
+        return light * derive_drivers(inputs, [driver])[driver]
+
+    def beyond_constant(column):
+        return column - (column @ light) / (light @ light) * light
+
+    def scanned(effect, rest):
+        wide = effect.scanned_from
+        tangents = {
+            f"soiling.{name}": lost(driver)
+            for name, driver in zip([*wide.parameters][1:], wide.columns[1:])
+        }
+        others = {"soiling.even": light}
+        return effect.scan(rest, tangents | others, {}, np.zeros(len(rest)), 0.0)
+
+    coarse, shares = scanned_over(RAINS, soiling_by_rain), []
+    for _ in range(12):
+        rain = np.exp(random.uniform(np.log(0.5), np.log(12.0)))
+        law = {"cleaning": rain, "within": random.uniform(1.0, 24.0)}
+        rest = beyond_constant(lost(soiling_by_rain(**law).columns[1]))
+        finer = scanned(scanned(find("soiling"), rest), rest)
+        assert finer.scan is None
+        columns = [
+            beyond_constant(lost(effect.columns[1]))
+            for effect in (scanned(coarse, rest), finer)
+        ]
+        squares = [(one @ rest) ** 2 / (one @ one) for one in columns]
+        assert squares[1] >= squares[0]
+        shares.append(squares / (rest @ rest))
+    grid, near = np.mean(shares, axis=0)
+    assert grid < 0.93 and near > 0.96
 
 
 @pytest.mark.parametrize("closed", [0.0, 0.4, 0.84])
