@@ -388,15 +388,16 @@ class Search:
         """A choice given others with its probabilities, its effect, the finding."""
         selection, case, own = this.selection, self.case, this.coefficients
         one, references = self.weighed(this, choice, others)
-        dated = partial(selection.dated, one, one.first, selection.given(others))
-        effect = dated()
+        effect = one.members[one.first].effect
         if effect.turns:
             size = float(one.scores[one.first].estimate[0])
             effect = by_power(case, effect, size)
         one = cross_checked(references, one, effect, own)
-        if (costs := date_costs(references, one, effect.name)) is not None:
-            effect = dated(costs)
-            one = cross_checked(references, one, effect, own)
+        if effect.sensor_fault:
+            costs = date_costs(references, one, effect.name)
+            effect = selection.dated(one, effect.name, selection.given(others), costs)
+            if costs is not None:
+                one = cross_checked(references, one, effect, own)
         return one, effect, finding_of(one, effect, case, selection.least)
 
     def on_own_steps(self, step: Step) -> Step:

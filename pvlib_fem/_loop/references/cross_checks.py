@@ -142,7 +142,9 @@ def other_dates(
     parts = {n for n, one in choice.members.items() if one.time_profile == OF_A_PART}
     found = selection.candidates(given, closed, without=OF_A_PART)
     whole = [one for one in found if one.name in parts and is_drift(one.effect)]
-    shown = [one for one in selection.shown_candidates() if one.name not in closed]
+    there = [*choice.members.values()]
+    shown = [one for one in selection.shown_candidates() if one not in there]
+    shown = [one for one in shown if one.name not in closed]
     yield from filter(None, (whole, shown))
 
 
@@ -318,7 +320,7 @@ def date_costs(
     choice : Choice
         With the sizes of its members by references.
     name : str
-        Of a member.
+        Of a member that is a change.
 
     Returns
     -------
@@ -327,7 +329,7 @@ def date_costs(
         shows the member.
     """
     effect, joint = choice.members[name].effect, choice.joint(name)
-    if joint is None or not effect.sensor_fault:
+    if joint is None:
         return None
     showing = [one for one in references if one.column in joint.columns]
     showing = [one for one in showing if one.concerns(effect)]

@@ -154,10 +154,14 @@ class DailyDeviation:
         """Orthonormal columns of usual variation."""
         return np.linalg.qr(np.column_stack(self.usual))[0]
 
+    def beyond(self, column: np.ndarray) -> np.ndarray:
+        """What of a daily column usual variation does not explain."""
+        return column - self.basis @ (self.basis.T @ column)
+
     @cached_property
     def beyond_usual(self) -> np.ndarray:
         """The deviation that usual variation does not explain."""
-        return self.apart - self.basis @ (self.basis.T @ self.apart)
+        return self.beyond(self.apart)
 
     def along(
         self,
@@ -202,7 +206,7 @@ class DailyDeviation:
 
     def sees(self, weights: np.ndarray) -> bool:
         """Whether a time profile differs from usual variation and known changes."""
-        beyond = weights - self.basis @ (self.basis.T @ weights)
+        beyond = self.beyond(weights)
         return bool(beyond @ beyond > UNSEEN * (weights @ weights))
 
     def profiles(self, effects: Iterable[Effect]) -> Iterator[tuple[str, float]]:
@@ -257,11 +261,11 @@ class DailyDeviation:
 
         def rest(effect: Effect) -> np.ndarray:
             weights = weights_of(effect, self.days)
-            beyond = weights - self.basis @ (self.basis.T @ weights)
-            if not self.sees(weights):
+            beyond = self.beyond(weights)
+            square = beyond @ beyond
+            if square <= UNSEEN * (weights @ weights):
                 return self.beyond_usual
-            part = (beyond @ self.beyond_usual) / (beyond @ beyond)
-            return self.beyond_usual - part * beyond
+            return self.beyond_usual - (beyond @ self.beyond_usual) / square * beyond
 
         least = SUREST**2 * np.square(self.beyond_usual).sum()
         squares = [max(float(np.square(rest(one)).sum()), least) for one in effects]
@@ -345,7 +349,7 @@ class DailyDeviation:
             shown = shows(change, coefficients)
         if not np.isfinite(shown).all():
             return 0.0
-        beyond = along - self.basis @ (self.basis.T @ along)
+        beyond = self.beyond(along)
         return float(shown @ beyond / (along @ beyond))
 
 

@@ -177,10 +177,8 @@ class Selection:
         given: Sequence[Column],
         costs: Costs | None = None,
     ) -> Effect:
-        """The effect of a member, with the days between which its date is."""
+        """The change of a member, with the days between which its date is."""
         one, score = choice.members[name], choice.scores[name]
-        if not one.effect.sensor_fault:
-            return one.effect
         return self.scan(given).first_days(one.change, score.z_score, costs)
 
     def scan(self, given: Sequence[Column]) -> Scan:
