@@ -12,12 +12,14 @@ from pvlib_fem._loop.preparation.leaks import leaks
 from pvlib_fem._loop.preparation.prepare import is_before_the_sun
 from pvlib_fem._loop.references.cross_checks import (
     cross_checked,
-    date_costs,
     log_likelihoods_of_sizes,
-    weighed_by_references,
 )
 from pvlib_fem._loop.references.deviations import DailyDeviation, daily_deviations
 from pvlib_fem._loop.references.edge_weeks import by_power
+from pvlib_fem._loop.references.joint_dates import (
+    date_costs,
+    weighed_by_references,
+)
 from pvlib_fem._loop.references.reference_faults import reference_faults
 from pvlib_fem._loop.references.shown_changes import with_best_odds, with_own
 from pvlib_fem._loop.regression.correct_clock import module_clock
@@ -394,10 +396,8 @@ class Search:
             effect = by_power(case, effect, size)
         one = cross_checked(references, one, effect, own)
         if effect.sensor_fault:
-            costs = date_costs(references, one, effect.name)
+            costs = date_costs(references, effect)
             effect = selection.dated(one, effect.name, selection.given(others), costs)
-            if costs is not None:
-                one = cross_checked(references, one, effect, own)
         return one, effect, finding_of(one, effect, case, selection.least)
 
     def on_own_steps(self, step: Step) -> Step:

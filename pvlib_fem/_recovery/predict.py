@@ -9,11 +9,9 @@ import numpy as np
 from pvlib_fem._loop.criteria import HALF
 from pvlib_fem._loop.preparation.divided_record import Case
 from pvlib_fem._loop.references.comparisons import kind
-from pvlib_fem._loop.references.cross_checks import (
-    log_likelihoods_of_sizes,
-    weighed_by_references,
-)
+from pvlib_fem._loop.references.cross_checks import log_likelihoods_of_sizes
 from pvlib_fem._loop.references.deviations import DailyDeviation, daily_deviations
+from pvlib_fem._loop.references.joint_dates import weighed_by_references
 from pvlib_fem._loop.references.shown_changes import with_best_odds, with_own
 from pvlib_fem._loop.regression.design import Changed, Column, Design
 from pvlib_fem._loop.regression.refits import Step

@@ -19,17 +19,16 @@ from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.references.comparisons import COMPARISONS, SKY, USUAL_WIND
 from pvlib_fem._loop.references.cross_checks import (
     cross_checked,
-    date_costs,
     log_likelihoods,
     log_likelihoods_of_sizes,
     outcome_of,
-    weighed_by_references,
 )
 from pvlib_fem._loop.references.deviations import (
     DailyDeviation,
     daily_deviations,
     usual_days,
 )
+from pvlib_fem._loop.references.joint_dates import date_costs, weighed_by_references
 from pvlib_fem._loop.references.reference_faults import given_others
 from pvlib_fem._loop.references.shown_changes import (
     shown_by,
@@ -482,7 +481,7 @@ def test_references_decide_between_a_trend_of_the_record_and_of_a_part():
 def test_a_change_at_the_dates_of_a_reference_is_a_rival():
     """By the temperature, a trend is most like a step between two others."""
     (days, hours), every = clock(730), np.arange(730)
-    rest = 1.0 * (days >= 250) + 1.0 * (days >= 480) + noise_of(7, days, 0.5)
+    rest = 1.0 * (days >= 250) + 1.1 * (days >= 480) + noise_of(7, days, 0.5)
     selection = offsets(rest, days, hours)
     base = [*selection.design.base]
     (trend,) = (c for c in selection.candidates(base) if c.time_profile == "drift")
@@ -500,6 +499,26 @@ def test_a_change_at_the_dates_of_a_reference_is_a_rival():
     # a reference that shows what the temperature does not is no better date
     plain = weighed(selection, choice, []).members["module_offset_step"]
     assert step_by(100, 0.02) == plain.effect.settings["at"] != "2023-09-08"
+
+
+def test_a_change_of_the_model_is_not_tried_again():
+    """A reference shows it, and another change of that sensor is weighed given it."""
+    (days, hours), every = clock(730), np.arange(730)
+    rest = 1.0 * (days >= 250) + 1.0 * (days >= 480) + noise_of(7, days, 0.5)
+    selection = offsets(rest, days, hours)
+    (dark,) = (one for one in COMPARISONS if "module_offset" in one.shows)
+    apart = noise_of(6, every, 0.05) - 1.0 * (every >= 250)
+    second = DailyDeviation(dark, "temp_module_2", START + every, apart, None)
+    selection = replace(selection, shown=shown_changes([second]))
+    base = [*selection.design.base]
+    (first,) = selection.shown_candidates()
+    there = Choice(first, selection.score(first, base))
+    given = selection.given([there])
+    (other,) = (c for c in selection.candidates(given) if c.time_profile == "step")
+    choice = Choice(other, selection.score(other, given))
+    one, _ = weighed_by_references(selection, choice, [there], [second], {})
+    step = one.members["module_offset_step"].effect
+    assert step.settings["at"] == "2024-04-25"
 
 
 @pytest.mark.parametrize("profile", ["step", "episode", "drift"])
@@ -524,7 +543,7 @@ def test_a_reference_that_shows_a_change_narrows_its_dates(profile):
         choice = weighed(selection, Choice(top, selection.score(top, base)), [])
         choice = replace(choice, probabilities={change.name: 1.0})
         choice = cross_checked([second], choice, change, {})
-        costs = date_costs([second], choice, change.name)
+        costs = date_costs([second], change)
         found = selection.dated(choice, change.name, base, costs).settings
         begin, first, last = (
             np.datetime64(date)
@@ -550,6 +569,16 @@ def test_a_step_that_power_and_a_clear_sky_date_is_no_dirt():
     assert step.place.startswith(f"{first:%Y-%m-%d}")
     added = [f for f in loop.finding_objects if f.added]
     assert all(check.passed for f in added for check in f.checks)
+
+
+def test_a_step_is_a_rival_of_a_trend_on_the_day_that_power_shows():
+    """The temperature dates it a month late, where power refuses it."""
+    _, data, (world, sensor, course, *_) = study_instruments.made(63092)
+    assert (sensor, course) == ("irradiance_sensor", "step")
+    loop = close_loop(data, check_units=False, **world.place)
+    (found,) = (f for f in loop.finding_objects if f"{sensor}_step" in f.candidates)
+    assert found.verdict is Verdict.AMBIGUOUS
+    assert [*found.candidates] == [f"{sensor}_drift", f"{sensor}_step"]
 
 
 def shown_changes(references):

@@ -10,8 +10,6 @@ from pvlib_fem._findings import OUTSIDE, CheckOutcome, CrossCheck
 from pvlib_fem._loop.references.comparisons import SLACK
 from pvlib_fem._loop.references.deviations import DailyDeviation, Shown
 from pvlib_fem._loop.selection.choice import SizeByReference, Sized
-from pvlib_fem._loop.selection.dictionary import OF_A_PART
-from pvlib_fem._loop.selection.rivals import weighed
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import (
     is_compared,
@@ -22,10 +20,7 @@ from pvlib_fem.effects._time_profiles import (
 )
 
 if TYPE_CHECKING:
-    from pvlib_fem._loop.selection.change_dates import Costs
     from pvlib_fem._loop.selection.choice import Choice
-    from pvlib_fem._loop.selection.dictionary import Candidate
-    from pvlib_fem._loop.selection.single_effects import Selection
 
 HALF = 0.5  # of what is expected: less is nearer to nothing
 SURE = 2.0  # standard errors
@@ -81,79 +76,10 @@ def log_likelihoods(
             if any_size or (name in effects and name not in choice.taken):
                 own = effects.get(name, first)
                 names = [name] if name in effects else concerned
-                shown = one.shown(own, [*map(choice.sized, names)], coefficients)
-                if shown is not None:
-                    logs[name] += one.weight * log_likelihood(shown, any_size)
+                several = [*map(choice.sized, names)]
+                log = log_likelihood(one, own, several, coefficients, any_size)
+                logs[name] += one.weight * log
     return logs
-
-
-def weighed_by_references(
-    selection: "Selection",
-    choice: "Choice",
-    others: Sequence["Choice"],
-    references: Sequence[DailyDeviation],
-    coefficients: Mapping[str, float],
-) -> tuple["Choice", dict[str, float]]:
-    """
-    A choice with its rivals, and their log-likelihoods by references.
-
-    The dates of a rival are those by which it explains most of the temperature, and
-    these may be of another change: a trend that ends with it, or a step at another
-    date. A trend of the whole record, and a change at the dates that references show,
-    are the rivals instead if these make them more probable.
-
-    Parameters
-    ----------
-    selection : Selection
-    choice : Choice
-        With its best candidate alone.
-    others : sequence of Choice
-        Choices that are given.
-    references : sequence of DailyDeviation
-        Given the others.
-    coefficients : dict
-        Of the fitted model.
-
-    Returns
-    -------
-    Choice, dict of float
-        See :func:`log_likelihoods`.
-    """
-    one = weighed(selection, choice, others)
-    logs = log_likelihoods(references, one, coefficients)
-    if not any(reference.concerned(one) for reference in references):
-        return one, logs
-    best: list[Candidate] = []
-    for more in other_dates(selection, one, others):
-        instead = [*more, *best]
-        other = weighed(selection, choice, others, instead)
-        by_other = log_likelihoods(references, other, coefficients)
-        names = [rival.name for rival in selection.with_same_law(more)]
-        if odds_of(names, other, by_other) > odds_of(names, one, logs):
-            one, logs, best = other, by_other, instead
-    return one, logs
-
-
-def other_dates(
-    selection: "Selection", choice: "Choice", others: Sequence["Choice"]
-) -> Iterator[list["Candidate"]]:
-    """Rivals of a choice at other dates: whole trends, and what references show."""
-    closed, given = selection.taken([choice, *others]), selection.given(others)
-    parts = {n for n, one in choice.members.items() if one.time_profile == OF_A_PART}
-    found = selection.candidates(given, closed, without=OF_A_PART)
-    whole = [one for one in found if one.name in parts and is_drift(one.effect)]
-    there = [*choice.members.values()]
-    shown = [one for one in selection.shown_candidates() if one not in there]
-    shown = [one for one in shown if one.name not in closed]
-    yield from filter(None, (whole, shown))
-
-
-def odds_of(names: Sequence[str], choice: "Choice", logs: Mapping[str, float]) -> float:
-    """Odds of some members of a choice against all others, by references, too."""
-    most = max(logs.values())
-    shares = {n: w * np.exp(logs[n] - most) for n, w in choice.weights.items()}
-    mine = sum(shares.get(name, 0.0) for name in names)
-    return float(mine / max(sum(shares.values()) - mine, 1e-300))
 
 
 def log_likelihoods_of_sizes(
@@ -190,22 +116,83 @@ def log_likelihoods_of_sizes(
             given = reference.given_effects(filter(reference.concerns, others))
             # faults of one law have the same dates, along which it deviates once
             first, several = faults[mine[0]].effect, [faults[i] for i in mine]
-            shown = given.shown(first, several, coefficients)
-            if shown is None:
-                continue
-            for i, (name, value) in zip(mine, shown.expected.items()):
-                alone = replace(shown, expected={name: value})
-                each[i] += reference.weight * log_likelihood(alone, False)
+            for i, one in zip(mine, several):
+                log = log_likelihood(given, first, [one], coefficients)
+                each[i] += reference.weight * log
         logs.append(float(np.logaddexp.reduce(each) - np.log(len(each))))
     return logs
 
 
-def log_likelihood(shown: Shown, any_size: bool) -> float:
+def ways(
+    reference: DailyDeviation, effect: Effect
+) -> Iterator[tuple[float, DailyDeviation]]:
     """
-    Log-likelihood of what is shown, compared with a reference that shows nothing.
+    The deviation, and given what references show, each with the log weight of it.
 
-    It is that of a deviation of the expected size, or of any size.
+    An effect may be what a reference shows by itself, or come in addition to it. Else a
+    step in winter would seem to confirm a trend from summer on.
     """
+    own, profile = map(time_profile_of, reference.own), time_profile_of(effect)
+    if not reference.own or not profile or profile in own:
+        yield 0.0, reference
+        return
+    yield -0.5 * float(reference.costs([effect, *reference.own])[0]), reference
+    yield 0.0, reference.given_effects(reference.own)
+
+
+def log_likelihood(
+    reference: DailyDeviation,
+    first: Effect,
+    several: Sequence[Sized],
+    coefficients: Mapping[str, float],
+    any_size: bool = False,
+) -> float:
+    """
+    Log-likelihood by a reference, compared with one that shows nothing.
+
+    Parameters
+    ----------
+    reference : DailyDeviation
+    first : Effect
+        Along whose time profile it is.
+    several : sequence of Sized
+        Of one candidate, if its size is expected.
+    coefficients : dict
+        Of the fitted model.
+    any_size : bool, optional
+        Whether a deviation of any size is as good as those expected.
+
+    Returns
+    -------
+    float
+    """
+    logs = [
+        log_weight
+        + likelihood_ratio(given.shown(first, several, coefficients), any_size)
+        for log_weight, given in ways(reference, first)
+    ]
+    return float(np.logaddexp.reduce(logs))
+
+
+def best_way(
+    reference: DailyDeviation,
+    first: Effect,
+    one: Sized,
+    coefficients: Mapping[str, float],
+) -> DailyDeviation:
+    """The deviation, or that given what references show, by the likelier of both."""
+
+    def log_of(way: tuple[float, DailyDeviation]) -> float:
+        log_weight, given = way
+        return log_weight + likelihood_ratio(given.shown(first, [one], coefficients))
+
+    return max(ways(reference, first), key=log_of)[1]
+
+
+def likelihood_ratio(shown: Shown | None, any_size: bool = False) -> float:
+    """Logarithm of the likelihood of what is shown, by that of nothing."""
+    if shown is None:
+        return 0.0
     most = max(abs(value) for value in shown.expected.values())
     anything = shown.likelihood(0.0, most)
     likely = anything
@@ -273,7 +260,10 @@ def cross_checked(
             and max(choice.probabilities[name], choice.weights[name]) >= WORTH
         ]
         alike.sort(key=lambda name: name != first.name)
-        shown = one.shown(first, [*map(choice.sized, alike)], coefficients)
+        several = [*map(choice.sized, alike)]
+        if several:
+            one = best_way(one, first, several[0], coefficients)
+        shown = one.shown(first, several, coefficients)
         if shown is None:
             continue
         size, aged = shown.size, shown.aged
@@ -306,34 +296,6 @@ def cross_checked(
             checks.append(CrossCheck(one.column, name, *numbers, outcome, unit))
     joint = {name: SizeByReference.of_all(several) for name, several in sizes.items()}
     return replace(choice, cross_checks=tuple(checks), by_reference=joint)
-
-
-def date_costs(
-    references: Sequence[DailyDeviation], choice: "Choice", name: str
-) -> "Costs | None":
-    """
-    How much worse each of some changes is by references than the best of them.
-
-    Parameters
-    ----------
-    references : sequence of DailyDeviation
-    choice : Choice
-        With the sizes of its members by references.
-    name : str
-        Of a member that is a change.
-
-    Returns
-    -------
-    callable or None
-        Of changes like the member that differ in their dates. None if no reference
-        shows the member.
-    """
-    effect, joint = choice.members[name].effect, choice.joint(name)
-    if joint is None:
-        return None
-    showing = [one for one in references if one.column in joint.columns]
-    showing = [one for one in showing if one.concerns(effect)]
-    return lambda effects: np.sum([one.costs(effects) for one in showing], axis=0)
 
 
 def outcome_of(

@@ -30,7 +30,6 @@ from pvlib_fem.effects._time_profiles import (
     is_compared,
     is_dated,
     is_drift,
-    time_profile_of,
     weights_of,
 )
 from pvlib_fem.quality._clearsky import clear_sky
@@ -119,17 +118,6 @@ class DailyDeviation:
         """What an effect of a size changes on each day: a reading, or the light."""
         sensor = effect.sensor_fault
         return size * (weights_of(effect, self.days) if sensor else self.light(effect))
-
-    def given_own(self, first: Effect) -> Self:
-        """
-        The deviation given what references show, if nothing along a time profile.
-
-        Else a step in winter would seem to confirm a trend from summer on.
-        """
-        profile = time_profile_of(first)
-        if not profile or profile in map(time_profile_of, self.own):
-            return self
-        return self.given_effects(self.own)
 
     def given_columns(self, others: Iterable[np.ndarray]) -> Self:
         """The deviation given some daily columns."""
@@ -267,7 +255,7 @@ class DailyDeviation:
                 return self.beyond_usual
             return self.beyond_usual - (beyond @ self.beyond_usual) / square * beyond
 
-        least = SUREST**2 * np.square(self.beyond_usual).sum()
+        least = SUREST**2 * np.square(self.beyond_usual).sum() or 1.0  # of a copy
         squares = [max(float(np.square(rest(one)).sum()), least) for one in effects]
         best = int(np.argmin(squares))
         draws = independent_months(rest(effects[best]), self.days // MONTH)
@@ -294,17 +282,16 @@ class DailyDeviation:
         None where it shows nothing.
         """
         weights = self.profile(first)
-        given = self.given_own(first)
-        if not several or not given.sees(weights):
+        if not several or not self.sees(weights):
             return None
-        size, error, residual = given.along(weights)
+        size, error, residual = self.along(weights)
         # one that acts on some days is compared with as many others, not with weeks
         if is_dated(first) and not first.sensor_fault:
             error = by_accident(weights > 0.0, residual)
         expected, slack = {}, {}
         for effect, of_fit, relative in several:
             name = effect.name
-            expected[name] = given.expected(effect, of_fit, weights, coefficients)
+            expected[name] = self.expected(effect, of_fit, weights, coefficients)
             slack[name] = float(np.hypot(size_error(effect), relative))
         aged = FADES if self.comparison.ages and is_drift(first) else 0.0
         faults = self.comparison.unseen
@@ -322,7 +309,7 @@ class DailyDeviation:
     ) -> tuple[float, float]:
         """The size of a change by what is shown, relative to the fit, and its error."""
         effect, size, _ = one
-        weights, given = weights_of(first, self.days), self.given_own(first)
+        weights = weights_of(first, self.days)
         ratio, value = 1.0, shown.expected[effect.name]
         # the logarithm of a ratio is not proportional to it
         for _ in range(MOST_TURNS):
@@ -330,7 +317,7 @@ class DailyDeviation:
             ratio = slope * shown.size
             if abs(ratio - before) < CLOSE * abs(ratio):
                 break
-            value = given.expected(effect, ratio * size, weights, coefficients)
+            value = self.expected(effect, ratio * size, weights, coefficients)
             if not value:
                 break
         return ratio, max(abs(slope) * shown.error, SUREST)

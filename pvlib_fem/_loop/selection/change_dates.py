@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 USUAL = 2.0  # times the median of the daily residuals: beyond it a day counts less
 MOST_SURE = 6.0  # standard errors, beyond which a date is not surer
 LIKELY = 3.84  # twice the log-likelihood by which 95 % of dates are as good
+DATES = "at", "start", "end"  # names of dates in the settings of a change
+SWEEPS = 2  # times that each of several dates is searched for given the others
 #: of changes, twice the log-likelihood by which each is worse than the best of them
 Costs = Callable[[Sequence[Effect]], np.ndarray]
 
@@ -152,46 +155,130 @@ class Scan:
         low, high = ratios[order[np.searchsorted(share, [0.05, 0.95])]]
         return min(float(low), 1.0), max(float(high), 1.0)
 
+    def at_best_dates(self, change: "Changed", errors: float, costs: Costs) -> Effect:
+        """
+        The change with each of its dates where it is best by ``costs``, too.
+
+        By ``errors`` standard errors its size differs from nothing.
+        """
+        effect = change.effect
+        if "resets" in effect.settings:
+            return effect
+        sums = self.sums(change.place, *signs_of(effect))
+        for _ in range(SWEEPS):
+            before = effect.settings
+            for name in [name for name in DATES if name in effect.settings]:
+                effect = DateSearch(self, sums, effect, name, errors, costs).best()
+            if effect.settings == before:
+                break
+        return effect
+
     def first_days(
         self, change: "Changed", errors: float, costs: Costs | None = None
     ) -> Effect:
         """
         The change with the days between which it may have begun.
 
-        By ``errors`` standard errors its size differs from nothing. With ``costs``, it
-        begins on the day that is best by these, too.
+        By ``errors`` standard errors its size differs from nothing. With ``costs``,
+        these are those that are as good by them, too.
         """
-        effect, dates, days = change.effect, change.effect.settings, self.design.dates
-        if not {"at", "start"} & {*dates}:
+        effect, days = change.effect, self.design.dates
+        names = [name for name in ("at", "start") if name in effect.settings]
+        if not names:
             return effect
         sums = self.sums(change.place)
-        falls_of = sums.linear if is_drift(effect) else sums.constant
-        best, last = places_in(days, effect)
-        starts = np.arange(1, max(last, 2))
-        falls = falls_of(starts, np.full(len(starts), last))
-        most = max(falls[min(max(best - 1, 0), len(falls) - 1)], 1e-12)
-        # the difference to the best date's part, in standard errors of that part
-        worse = (1.0 - falls / most) * min(errors, MOST_SURE) ** 2
-        good = starts[worse <= LIKELY]
-        if costs is not None and len(good):
-            begun = [begun_on(effect, self.date_at(place)) for place in good]
-            joint = worse[good - 1] + costs(begun)
-            best = int(good[np.argmin(joint)])
-            good = good[joint - joint.min() <= LIKELY]
-            dates = begun_on(effect, self.date_at(best)).settings
-        good = np.append(good, best)
+        search = DateSearch(self, sums, effect, names[0], errors, costs)
+        starts = np.arange(1, max(search.places[1], 2))
+        good = np.append(starts[search.worse(starts) <= LIKELY], search.place)
+        joint = search.jointly_worse(good)
+        good = good[joint - joint.min() <= LIKELY]
         # the days with rows around a date may not be neighbours
         between = [
             date_text(days[good.min() - 1] + 1),
             date_text(days[min(good.max(), len(days) - 1)]),
         ]
-        return effect.make(**{**dates, "between": between})
+        return effect.make(**{**effect.settings, "between": between})
 
 
-def begun_on(effect: Effect, date: str) -> Effect:
-    """A change with another first day."""
-    name = "at" if "at" in effect.settings else "start"
-    return effect.make(**{**effect.settings, name: date})
+@dataclass(frozen=True, eq=False)
+class DateSearch:
+    """A change, and how good other days are for one of its dates."""
+
+    scan: Scan
+    sums: ChangeSums
+    effect: Effect
+    name: str  # of the date
+    errors: float  # standard errors by which its size differs from nothing
+    costs: Costs | None = None
+
+    @cached_property
+    def places(self) -> tuple[int, int]:
+        """Place of its first day, and of the first one after it."""
+        return places_in(self.scan.design.dates, self.effect)
+
+    @property
+    def place(self) -> int:
+        """Place of the date."""
+        return self.places[self.name == "end"]
+
+    def falls(self, some: np.ndarray) -> np.ndarray:
+        """Falls of the sum of squares with the date at some places."""
+        first, last = (np.full(len(some), place) for place in self.places)
+        between = (first, some) if self.name == "end" else (some, last)
+        trend = is_drift(self.effect)
+        return (self.sums.linear if trend else self.sums.constant)(*between)
+
+    def worse(self, some: np.ndarray) -> np.ndarray:
+        """Twice the log-likelihood by which the date is better than some places."""
+        most = max(float(self.falls(np.array([self.place]))[0]), 1e-12)
+        # the difference to the date's part, in standard errors of that part
+        return (1.0 - self.falls(some) / most) * min(self.errors, MOST_SURE) ** 2
+
+    def jointly_worse(self, some: np.ndarray) -> np.ndarray:
+        """Twice the log-likelihood with the costs, which are 0 at the best place."""
+        costs = self.costs([self.at(place) for place in some]) if self.costs else 0.0
+        return self.worse(some) + costs
+
+    def at(self, place: int) -> Effect:
+        """The change with the date at a place."""
+        if place == self.place:
+            return self.effect
+        date = {self.name: self.scan.date_at(place)}
+        return self.effect.make(**{**self.effect.settings, **date})
+
+    def best(self) -> Effect:
+        """The change with the best date: of some all over the record, then near it."""
+        days, side = len(self.scan.design.dates), self.scan.side
+        least = side if is_drift(self.effect) else min(SHORTEST, side)
+        first, last = self.places
+        every = np.arange(side, last - (least if last < days else side) + 1)
+        if self.name == "end":
+            every = np.arange(first + (least if first else side), days - side + 1)
+        apart = len(every) // GRID + 1
+        place = self.best_of(self.place, every[::apart])
+        near = every[abs(every - place) < apart]
+        return self.at(self.best_of(place, near))
+
+    def best_of(self, place: int, others: np.ndarray) -> int:
+        """The best of some places; of as good ones, the first."""
+        some = np.append(place, others)
+        return int(some[np.argmin(self.jointly_worse(some))])
+
+
+def signs_of(effect: Effect) -> tuple[float, float]:
+    """
+    Signs of the least and the largest size that a change can have.
+
+    Parameters
+    ----------
+    effect : Effect
+
+    Returns
+    -------
+    float, float
+    """
+    (row,) = effect.parameters.values()
+    return float(np.sign(row.lower)), float(np.sign(row.upper))
 
 
 def places_in(days: np.ndarray, effect: Effect) -> tuple[int, int]:

@@ -1,6 +1,6 @@
 """What may be in the remaining error: effects, and changes at the dates that show."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -8,11 +8,10 @@ import numpy as np
 from scipy.special import gammaln
 
 from pvlib_fem._loop.regression.design import Changed, Column, Design
-from pvlib_fem._loop.selection.change_dates import Scan
+from pvlib_fem._loop.selection.change_dates import DATES, Scan, signs_of
 from pvlib_fem.effects._effect import Effect, Parameter
 from pvlib_fem.effects._time_profiles import time_profile_of
 
-DATES = "at", "start", "end"  # names of dates in the settings of a change
 PART = *DATES, "resets"  # of a trend that is not of the whole record
 OF_A_PART = "drift of a part"  # time profile of such a trend
 RARE = {"air_elsewhere": 0.05}  # times the odds of others
@@ -144,19 +143,14 @@ def all_candidates(
                 changes.setdefault(time_profile_of(effect), effect)
         if not changes:
             continue
-        for time_profile, dates in scan.along(place, *possible_signs(changes)):
+        signs = signs_of(next(iter(changes.values())))
+        for time_profile, dates in scan.along(place, *signs):
             if time_profile not in changes:
                 continue
             effect = changes[time_profile].dates(**dates)
             one = Candidate(effect, design.columns_of(effect), float(np.log(prior)))
             log_dates = one.dates * np.log(days) - gammaln(one.dates + 1.0)
             yield replace(one, log_dates=float(log_dates))
-
-
-def possible_signs(changes: Mapping[str, Effect]) -> tuple[float, float]:
-    """Least and largest size that a sensor fault can have, as signs."""
-    (row,) = next(iter(changes.values())).parameters.values()
-    return np.sign(row.lower), np.sign(row.upper)
 
 
 def log_odds(probability: float) -> float:

@@ -68,7 +68,9 @@ def weighed(
     for one in rivals:
         if one.effect.sensor_fault in faults and selection.score(one, given).possible:
             searched.setdefault(one.name, one)
-    members = {one.name: one for one in selection.with_same_law(searched.values())}
+    # references can date other faults of a law otherwise
+    alike = selection.with_same_law(searched.values())
+    members = {one.name: searched.get(one.name, one) for one in alike}
     parts = {name: selection.score(one, given) for name, one in members.items()}
     sure = min(choice.score.z_score, 1.0 / PROFILE_ERROR)
     weights = posterior(selection.design, selection.criteria, members, given, top, sure)
