@@ -24,9 +24,9 @@ from pvlib_fem._loop.references.reference_faults import reference_faults
 from pvlib_fem._loop.references.shown_changes import with_best_odds, with_own
 from pvlib_fem._loop.regression.correct_clock import module_clock
 from pvlib_fem._loop.regression.design import Changed
+from pvlib_fem._loop.regression.evidence import Evidence
 from pvlib_fem._loop.regression.hourly_tangents import design_of_evidence
 from pvlib_fem._loop.regression.refits import Fits, Step
-from pvlib_fem._loop.regression.tangents import Evidence
 from pvlib_fem._loop.results.conclude import check_of_bounds, finding_of, if_material
 from pvlib_fem._loop.results.parquet_loop import OwnSteps
 from pvlib_fem._loop.selection.choice import Choice, ShownChange

@@ -14,7 +14,8 @@ from hypothesis import given, strategies as st
 from study_records import seen
 
 import pvlib_fem as fem
-from pvlib_fem._loop.regression.tangents import Evidence, Scanned, located_effect
+from pvlib_fem._loop.regression.evidence import Evidence
+from pvlib_fem._loop.regression.scans import Scanned, located_effect
 from pvlib_fem._record.inputs import read
 from pvlib_fem._stored import VERSION
 from pvlib_fem._thermal.model import ThermalModel

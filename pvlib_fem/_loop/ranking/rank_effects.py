@@ -12,8 +12,8 @@ from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.preparation.planes import plane_of_columns, with_given
 from pvlib_fem._loop.ranking.ranking import ranked
 from pvlib_fem._loop.ranking.ranking_table import Ranking, table_of
+from pvlib_fem._loop.regression.gather import gather_evidence
 from pvlib_fem._loop.regression.hourly_tangents import design_of_evidence
-from pvlib_fem._loop.regression.tangents import gather_evidence
 from pvlib_fem._loop.selection.single_effects import Selection
 from pvlib_fem._record.column_names import (
     COLUMNS as USUAL,

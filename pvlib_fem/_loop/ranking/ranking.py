@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import fdtrc, stdtrit
 
 from pvlib_fem._loop.regression.design import Column, Design
-from pvlib_fem._loop.regression.tangents import Evidence
+from pvlib_fem._loop.regression.evidence import Evidence
 from pvlib_fem._statistics.weekly_sums import given_first
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.reasons import Because, Reason, because

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from pvlib_fem._loop.regression.design import Design
-from pvlib_fem._loop.regression.tangents import Evidence
+from pvlib_fem._loop.regression.evidence import Evidence
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, is_power
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.axes import calendar_of

@@ -18,7 +18,8 @@ from pvlib_fem._fitting.search import (
     natural_coefficients,
 )
 from pvlib_fem._loop.preparation.divided_record import BASES, Case
-from pvlib_fem._loop.regression.tangents import Evidence, gather_evidence
+from pvlib_fem._loop.regression.evidence import Evidence
+from pvlib_fem._loop.regression.gather import gather_evidence
 from pvlib_fem._record.inputs import Inputs, Record
 from pvlib_fem._spelling import FIXED, refusal
 from pvlib_fem._statistics.clusters import FOLDS, days_of_folds
