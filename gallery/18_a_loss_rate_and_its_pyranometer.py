@@ -223,7 +223,7 @@ if data is not None:
 # %%
 # Named by their end, the clear-sky workflow gives +0.2 % a year (−0.2 to +0.6) with the
 # sensor as measured and −0.1 (−0.6 to +0.4) with the corrected one; named by their
-# begin +0.5 (+0.1 to +0.8) and 0.0 (−0.5 to +0.6). So its choice of clear hours by the
+# begin +0.5 (+0.1 to +0.8) and 0.0 (−0.5 to +0.5). So its choice of clear hours by the
 # fading sensor is worth up to 0.5 % a year. With the corrected sensor its interval
 # holds the corrected rate, 0.0 % a year, for each name of the hours.
 #

@@ -13,7 +13,7 @@ from pvlib.location import Location
 import pvlib_fem as fem
 from pvlib_fem import simulator
 from pvlib_fem._findings import CheckOutcome
-from pvlib_fem._loop.regression import tangents
+from pvlib_fem._loop.regression import scans
 from pvlib_fem._loop.search import Search
 from pvlib_fem._record.inputs import read
 from pvlib_fem.drivers import derive_drivers, geometry
@@ -299,13 +299,13 @@ def test_power_shows_the_days_of_test_weeks(at_an_edge):
 
 def test_an_effect_that_another_explains_keeps_its_place(at_an_edge, monkeypatch):
     """Else a standstill is no rival of a cover once that is in the model."""
-    effects, round_of, scanned = [], Search.round, tangents.located_effect
+    effects, round_of, scanned = [], Search.round, scans.located_effect
 
     def first_alone(search, step, begin):
         """A round, in which scans find nothing if it is not the first one."""
         search.closed |= {"tracker_stuck"}  # so that another one is in the model
         scan = scanned if not search.located else lambda *given: None
-        monkeypatch.setattr(tangents, "located_effect", scan)
+        monkeypatch.setattr(scans, "located_effect", scan)
         this = round_of(search, step, begin)
         design = this.selection.design
         assert "tracker_stuck" in design.own
