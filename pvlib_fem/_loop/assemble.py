@@ -97,9 +97,7 @@ def loop_of_search(search: Search, last: Step, base: str) -> Loop:
         notes=(*case.notes, *steps_notes(search), *search.reference_faults(more)),
         place=without_rows(case.place),
         residual_before=before.rename("residual"),
-        weeks=pd.Series(
-            np.where(case.held_out, "test", "fitting"), record.index, name="weeks"
-        ).astype("category"),
+        weeks=pd.Series(kinds_of_weeks(case.held_out), record.index, name="weeks"),
         plain=(raw.model, raw.coefficients),
         criteria=case.criteria,
         weighed=search.last is not None,
@@ -110,6 +108,13 @@ def loop_of_search(search: Search, last: Step, base: str) -> Loop:
         hint_effects=tuple(search.effects[f.effect] for f in search.refused),
         label=case.label,
     )
+
+
+def kinds_of_weeks(held_out: np.ndarray) -> "pd.Categorical[str]":
+    """What each row was for, by whether it is of a test week."""
+    names = pd.Index(["fitting", "test"])
+    kinds = pd.Categorical.from_codes(held_out.astype(np.int8), names)
+    return kinds.remove_unused_categories()
 
 
 def held_notes(search: Search) -> Iterator[str]:

@@ -49,6 +49,12 @@ class FrameRecord:
     def __len__(self) -> int:
         return len(self.inputs.index)
 
+    def shares(self, name: str, other: "FrameRecord") -> bool:
+        """Whether another record has the same column, at the same times."""
+        mine, its = self.inputs.columns.given, other.inputs.columns.given
+        same = name in its and mine[name] is its[name]
+        return same and self.inputs.index is other.inputs.index
+
     @cached_property
     def counts(self) -> np.ndarray:
         """Times as counts of the index's unit since 1970."""
@@ -113,6 +119,15 @@ class CleanRecord:
     def holes_of(self, name: str) -> np.ndarray:
         """Spans of rows of a column that were found at fault."""
         return self.holes.get(name, NONE)
+
+    def shares(self, name: str, other: "CleanRecord") -> bool:
+        """Whether another record has the same column, less the same rows."""
+        if self.holes_of(name) is not other.holes_of(name) or self.clip != other.clip:
+            return False
+        one, its = self.source, other.source
+        if isinstance(one, FrameRecord) and isinstance(its, FrameRecord):
+            return one.shares(name, its)
+        return one is its
 
     def blocks(self, names: tuple | None = None) -> Iterator[Block]:
         """

@@ -154,8 +154,10 @@ def days_since_rain(
     rain = np.nan_to_num(precipitation)
     hours = np.diff(seconds, prepend=seconds[0]) / HOUR
     fallen = np.cumsum(rain * hours)
-    shower = fallen - np.interp(seconds - within * HOUR, seconds, fallen, left=0.0)
-    cleans = (rain > 0) & (shower >= cleaning)
+    wet = np.flatnonzero(rain > 0)
+    before = np.interp(seconds[wet] - within * HOUR, seconds, fallen, left=0.0)
+    cleans = np.zeros(len(rain), dtype=bool)
+    cleans[wet] = fallen[wet] - before >= cleaning
     # a record begins without a rain, and so without its days of grace
     start = seconds[0] - grace * DAY
     return np.clip(seconds_since(cleans, seconds, start) / DAY - grace, 0.0, dirtiest)

@@ -7,7 +7,7 @@ import numpy as np
 
 from pvlib_fem._statistics.leastsquares import orthonormal
 
-TINY = 1e-12  # K², of a column without any response
+UNSEEN = 1e-12  # of a tangent's square: its remainder given others, by rounding
 
 
 def best_setting(
@@ -48,9 +48,14 @@ def best_setting(
     Effect
     """
     names = [f"{parameter}_{i}" for i in range(len(settings))]
-    mine = beyond_others(tangents, names)
-    along = rest @ mine
-    explained = along * np.abs(along) / (np.square(mine).sum(axis=0) + TINY)
+    mine, basis = mine_and_others(tangents, names)
+    part = mine @ basis  # that others explain, which is not formed row by row
+    along = mine @ rest - part @ (rest @ basis)
+    whole = np.einsum("ij,ij->i", mine, mine)
+    squares = whole - np.square(part).sum(axis=1)
+    seen = squares > UNSEEN * whole
+    sizes = np.where(seen, along, 0.0) / np.where(seen, squares, 1.0)
+    explained = sizes * np.abs(along)
     explained = np.abs(explained) if either_sign else explained
     return make(**settings[int(np.argmax(explained))])
 
@@ -72,6 +77,13 @@ def beyond_others(
     -------
     array, shape (rows, names)
     """
-    mine = np.column_stack([tangents[name] for name in names])
-    basis = orthonormal([c for name, c in tangents.items() if name not in names])
-    return mine - basis @ (basis.T @ mine)
+    mine, basis = mine_and_others(tangents, names)
+    return (mine - (mine @ basis) @ basis.T).T
+
+
+def mine_and_others(
+    tangents: Mapping[str, np.ndarray], names: Sequence[str]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Some tangents, one in each row, and an orthonormal basis of the others."""
+    mine = np.array([tangents[name] for name in names])
+    return mine, orthonormal([c for n, c in tangents.items() if n not in names])

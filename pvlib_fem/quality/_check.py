@@ -12,6 +12,7 @@ import numpy as np
 from pvlib.location import Location
 
 from pvlib_fem._record.inputs import Record
+from pvlib_fem.quality._file_scan import Look
 from pvlib_fem.quality._limits import POSSIBLE, Limits
 from pvlib_fem.quality._module_lag import Clock, clock_shift
 from pvlib_fem.quality._noon import SolarNoon, solar_noon_shift
@@ -58,9 +59,11 @@ def unusable_rows(frozen: dict) -> np.ndarray:
     return np.any([frozen[name] for name in POSSIBLE], axis=0)
 
 
-def frozen_in(record: Record, limits: Limits) -> dict[str, np.ndarray]:
+def frozen_in(
+    record: Record, limits: Limits, known: Look | None = None
+) -> dict[str, np.ndarray]:
     """Rows of stuck sensors whose drivers change, by one clock."""
-    frozen = stuck_rows(record, limits)
+    frozen = stuck_rows(record, limits, known)
     # their drivers are known without the module's column, which may be off by hours
     others = any(rows.any() for n, rows in frozen.items() if n != "temp_module")
     if not others or (off := module_lag(record.inputs, limits)) is None:
@@ -77,6 +80,7 @@ def check(
     limits: Limits | None = None,
     light: Any = None,
     mount: Any = None,
+    known: Look | None = None,
 ) -> Health:
     """
     Find faults of sensors and loggers in a measured record.
@@ -95,6 +99,8 @@ def check(
         Irradiance of that plane, by default ``poa_global``. [W/m²]
     mount : pvlib.pvsystem.AbstractMount, optional
         Of a sensor that moves.
+    known : Look, optional
+        At some of the columns, which are not read again.
 
     Returns
     -------
@@ -111,7 +117,7 @@ def check(
     """
     limits = limits or Limits()
     refuse_stray(record.index, limits)
-    frozen = frozen_in(record, limits)
+    frozen = frozen_in(record, limits, known)
     refuse_always_stuck(record, frozen)
     clock = clock_shift(record, unusable_rows(frozen), limits)
     place = (location, surface_tilt, surface_azimuth)

@@ -1,7 +1,7 @@
 """What one pass over a record in files shows of its times and columns."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -265,6 +265,7 @@ class Look:
     """A record so far: its times, its columns, and some of its rows."""
 
     columns: dict
+    clean: CleanRecord  # of which it is
     every: int  # of the rows one is in the sample
     unit: float
     rows: int = 0
@@ -276,29 +277,51 @@ class Look:
     days: set = field(default_factory=set)
 
     @classmethod
-    def from_record(cls, clean: CleanRecord, limits: Limits) -> Any:
-        """What a pass over a record shows."""
-        look = None
+    def from_record(
+        cls, clean: CleanRecord, limits: Limits, known: "Look | None" = None
+    ) -> Any:
+        """
+        What a pass over a record shows.
+
+        A column that the record of a ``known`` look has as well is not read again.
+        """
+        look, seen = None, {} if known is None else known.shared_with(clean)
         for block in clean.blocks():
             if look is None:
                 unit = block.inputs.unit
                 columns = {n: Column(n, limits, unit) for n in clean.names}
-                look = cls(columns, max(1, -(-len(clean) // SOME)), unit)
-            look.add(block, limits)
+                every = max(1, -(-len(clean) // SOME))
+                look = cls({**columns, **seen}, clean, every, unit)
+            look.add(block, limits, seen)
         return look
 
-    def add(self, block: Block, limits: Limits) -> None:
+    def shared_with(self, clean: CleanRecord) -> dict:
+        """Columns that another record has as well, without a value for none."""
+        return {
+            name: one
+            for name, one in self.columns.items()
+            if name in clean.names
+            and "fill value" not in one.odd
+            and clean.shares(name, self.clean)
+        }
+
+    def add(self, block: Block, limits: Limits, seen: Collection = ()) -> None:
         times, steps = block.times, block.inputs.steps
         self.ends = (*self.ends[:1], times[-1]) if self.ends else (times[0], times[-1])
         long = np.flatnonzero(steps * self.unit > limits.min_stray_gap)
         self.gaps += [(block.start + i, times[i] - steps[i], times[i]) for i in long]
         first = int(block.start == 0)
         count_steps(self.steps, steps[first:])
-        self.days.update(np.unique(block.dates).tolist())
+        dates = block.dates
+        other = dates[1:] != dates[:-1]
+        self.days.update([*dates[:1].tolist(), *dates[1:][other].tolist()])
         some = slice(-block.start % self.every, None, self.every)
         kept = {}
         for name, column in self.columns.items():
-            kept[name] = column.add(block[name], block.start, times)[some].copy()
+            values = block[name]
+            if name not in seen:
+                values = column.add(values, block.start, times)
+            kept[name] = values[some].copy()
         self.sample.append((times[some], kept))
         self.rows += len(block)
 

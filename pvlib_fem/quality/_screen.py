@@ -9,6 +9,7 @@ from pvlib_fem._record.clean import CleanRecord, FrameRecord
 from pvlib_fem._record.column_names import ALIASES, RENAMED, printable, with_aliases
 from pvlib_fem._record.inputs import Columns, Record, read
 from pvlib_fem._record.ranges import range_of
+from pvlib_fem.quality._file_scan import Look
 from pvlib_fem.quality._limits import POSSIBLE, Limits
 from pvlib_fem.quality._screening import KINDS, Screener, fault_sentences
 from pvlib_fem.quality._stray_times import refuse_stray, stray_rows
@@ -22,6 +23,7 @@ class Faults:
     record: Record  # as it came
     masks: dict = field(default_factory=dict)  # kind to column to rows
     clipped: int = 0  # rows of a little negative irradiance by night
+    look: Look | None = None  # at its columns, less what was found
 
     def faulty_rows(self, name: str, besides: tuple = ()) -> np.ndarray:
         """Rows in which a column is at fault."""
@@ -68,7 +70,7 @@ class Faults:
                 columns[name] = there
             if columns:
                 masks[kind] = columns
-        return replace(self, record=other.record, masks=masks)
+        return replace(self, record=other.record, masks=masks, look=None)
 
 
 def screened(
@@ -114,6 +116,7 @@ def screened_alone(
     check_units: bool = True,
     names: tuple | None = None,
     late: bool = False,
+    known: Look | None = None,
 ) -> tuple[Record, Faults]:
     """
     Screen all but stuck sensors, which need other columns.
@@ -130,6 +133,8 @@ def screened_alone(
         Columns that are screened, by default all.
     late : bool, default False
         Accept a module whose clock is off by hours.
+    known : Look, optional
+        At some of these columns, which are not read again.
 
     Returns
     -------
@@ -142,7 +147,9 @@ def screened_alone(
         If a column looks to be in another unit, or one of the four columns has no value
         but fill values, or too many that are impossible.
     """
-    return less(record, *by_columns(record, limits, check_units, names, late))
+    screening, clipped = by_columns(record, limits, check_units, names, late, known)
+    clean, faults = less(record, screening, clipped)
+    return clean, replace(faults, look=screening.look)
 
 
 def by_columns(
@@ -151,9 +158,10 @@ def by_columns(
     check_units: bool = True,
     names: tuple | None = None,
     late: bool = False,
+    known: Look | None = None,
 ) -> tuple[Screener, int]:
     """What the rules find that look at one column, and rows of offset by night."""
-    screening = screener(record, limits, names)
+    screening = screener(record, limits, names, known)
     screening.fills()
     screening.refuse_empty()
     if check_units:
@@ -164,10 +172,15 @@ def by_columns(
     return screening, clipped
 
 
-def screener(record: Record, limits: Limits, names: tuple | None = None) -> Screener:
+def screener(
+    record: Record,
+    limits: Limits,
+    names: tuple | None = None,
+    known: Look | None = None,
+) -> Screener:
     """The screening of a record in memory, before any rule."""
     clean = CleanRecord(FrameRecord(record.inputs), tuple(record.inputs.columns))
-    return Screener.from_record(clean, limits, names)
+    return Screener.from_record(clean, limits, names, known)
 
 
 def less(record: Record, screening: Screener, clipped: int) -> tuple[Record, Faults]:

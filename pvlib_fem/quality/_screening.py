@@ -129,10 +129,14 @@ class Screener:
 
     @classmethod
     def from_record(
-        cls, clean: CleanRecord, limits: Limits, tested: tuple | None = None
+        cls,
+        clean: CleanRecord,
+        limits: Limits,
+        tested: tuple | None = None,
+        known: Look | None = None,
     ) -> "Screener":
         """The screening of a record, before any rule; of some columns or of all."""
-        look = Look.from_record(clean, limits)
+        look = Look.from_record(clean, limits, known)
         return cls(clean, limits, clean.names if tested is None else tested, look)
 
     def rules(self) -> int:
@@ -225,7 +229,7 @@ class Screener:
 
     def look_again(self) -> None:
         """The look at the remaining values, if a rule removed some that others see."""
-        self.look = Look.from_record(self.clean, self.limits)
+        self.look = Look.from_record(self.clean, self.limits, self.look)
 
     def refuse_nothing(self, needed: tuple) -> dict[str, int]:
         """Refuse a column without a value."""
@@ -418,7 +422,9 @@ class Screener:
         }
 
 
-def stuck_rows(record: Record, limits: Limits | None = None) -> dict[str, np.ndarray]:
+def stuck_rows(
+    record: Record, limits: Limits | None = None, known: Look | None = None
+) -> dict[str, np.ndarray]:
     """
     Rows in which a sensor is stuck while its driver changes.
 
@@ -448,6 +454,8 @@ def stuck_rows(record: Record, limits: Limits | None = None) -> dict[str, np.nda
         With the four columns that every fit needs.
     limits : Limits, optional
         The thresholds; those above by default.
+    known : Look, optional
+        At some of these columns, which are not read again.
 
     Returns
     -------
@@ -463,7 +471,7 @@ def stuck_rows(record: Record, limits: Limits | None = None) -> dict[str, np.nda
     columns = record.inputs.columns
     names = [*POSSIBLE, *(n for n in DRIVERS if n in columns and n not in POSSIBLE)]
     clean = CleanRecord(FrameRecord(record.inputs), tuple(names))
-    screening = Screener.from_record(clean, limits or Limits())
+    screening = Screener.from_record(clean, limits or Limits(), known=known)
     screening.stuck(refuse=False)
     still = screening.masks().get("stuck", {})
     still = {name: rows for name, rows in still.items() if name not in record.absent}

@@ -20,7 +20,7 @@ from pvlib_fem._record.inputs import read
 from pvlib_fem._stored import VERSION
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import STEADY_MODELS
-from pvlib_fem.drivers import _water as water, derive_drivers, sun
+from pvlib_fem.drivers import Driver, _water as water, derive_drivers, sun
 from pvlib_fem.effects import PHYSICS as EFFECTS, find
 from pvlib_fem.effects._effect import (
     Effect,
@@ -921,6 +921,20 @@ def test_the_record_decides_which_rain_cleans(plant, noise, rain):
     assert found == pytest.approx(-0.005, rel=0.1)
 
 
+@pytest.mark.parametrize("rain", [{}, {"cleaning": 6, "within": 24, "grace": 14}])
+@pytest.mark.parametrize("tau", [300.0, 1200.0])
+def test_a_module_answers_dirt_as_constant_dirt_times_its_amount(rain, tau):
+    """The scan for the rain takes it so: dirt changes from day to day."""
+    data = fem.simulator.record(effects=fem.simulator.PHYSICS, days=200, step=300)
+    driver = Driver("days_since_rain", **rain)
+    names = ("poa_global", "precipitation")
+    days = derive_drivers(read({name: data[name] for name in names}), [driver])[driver]
+    answer = fem.ewm(data["poa_global"] * days, tau)
+    taken = fem.ewm(data["poa_global"], tau) * days
+    assert days.max() > 10.0
+    assert ((taken - answer) ** 2).sum() < 0.02**2 * (answer**2).sum()
+
+
 def test_a_rain_between_those_of_the_grid_is_found_near_it():
     """Of dirt that any rain cleans, a second scan explains more than the first."""
     random, days = np.random.default_rng(1), 730
@@ -941,13 +955,9 @@ def test_a_rain_between_those_of_the_grid_is_found_near_it():
         return column - (column @ light) / (light @ light) * light
 
     def scanned(effect, rest):
-        wide = effect.scanned_from
-        tangents = {
-            f"soiling.{name}": lost(driver)
-            for name, driver in zip([*wide.parameters][1:], wide.columns[1:])
-        }
-        others = {"soiling.even": light}
-        return effect.scan(rest, tangents | others, {}, np.zeros(len(rest)), 0.0)
+        columns = derive_drivers(inputs, effect.scanned_from.drivers).columns
+        even = {"soiling.even": light}
+        return effect.scan(rest, even, columns, np.zeros(len(rest)), 0.0)
 
     coarse, shares = scanned_over(RAINS, soiling_by_rain), []
     for _ in range(12):

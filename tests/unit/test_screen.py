@@ -9,9 +9,13 @@ from hypothesis import given, settings, strategies as st
 
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
+from pvlib_fem._record.inputs import as_record
 from pvlib_fem._record.ranges import CODES, possible_range
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
+from pvlib_fem.quality._file_scan import Column
 from pvlib_fem.quality._limits import Limits
+from pvlib_fem.quality._screen import screened_alone
+from pvlib_fem.quality._screening import stuck_rows
 from pvlib_fem.simulator import ALBUQUERQUE, PHYSICS, RHINE
 
 
@@ -668,3 +672,40 @@ def test_a_known_quantity_that_is_text_is_named():
     found = fem.screen_record(data.assign(temp_air=data["temp_air"].astype(str)))
     assert found.notes == ("temp_air is not numeric and was not screened",)
     assert fem.screen_record(data).notes == ()
+
+
+# columns that were read before
+
+
+def test_a_column_that_a_record_shares_with_another_is_not_read_again(
+    record, monkeypatch
+):
+    """Nor does it make a difference: what is found is the same as of both alone."""
+    spoilt = with_values(record, "temp_module", range(300, 400), 31.25)
+    spoilt = with_values(spoilt, "wind_speed", [7], -999.0)
+    limits, read = Limits(), []
+    columns = [spoilt[name] for name in COLUMNS]
+    one = as_record(*columns)
+    hidden = one.lacking({"temp_module": np.arange(len(record)) < 200})
+    alone = [screened_alone(each, limits) for each in (one, hidden)]
+    add = Column.add
+
+    def counted(self, values, start, times):
+        read.append(self.name)
+        return add(self, values, start, times)
+
+    monkeypatch.setattr(Column, "add", counted)
+    _, first = screened_alone(one, limits)
+    assert sorted(read) == sorted(COLUMNS)
+    clean, second = screened_alone(hidden, limits, known=first.look)
+    # a column with a value for none is read by each, and so is one that differs
+    assert sorted(read[4:]) == ["temp_module", "wind_speed"]
+    assert second.notes == alone[1][1].notes == alone[0][1].notes
+    for name in COLUMNS:
+        np.testing.assert_array_equal(clean[name], alone[1][0][name])
+    read.clear()
+    still = stuck_rows(clean, limits, second.look)
+    assert read == ["wind_speed"]
+    assert still["temp_module"].sum() == 100
+    for name, rows in stuck_rows(clean, limits).items():
+        np.testing.assert_array_equal(still[name], rows)

@@ -118,7 +118,8 @@ def screened_frame(
     )
     hidden = hidden.only([*COLUMNS, *drivers, *comparing])
     light = filled.horizontal
-    health = check(hidden, limits=limits, light=light, **filled.plane(site))
+    plane = filled.plane(site)
+    health = check(hidden, limits=limits, light=light, known=faults.look, **plane)
     for name, doubt in health.doubtful.items():
         drivers.pop(name, None)
         refused[name] = because(Reason.DOUBTFUL, column=name, doubt=doubt)
@@ -291,14 +292,16 @@ def with_answer(
     """
     name = "temp_module"
     own = hidden.only(COLUMNS).having({name: usual[name]})
-    own, answer = screened_alone(own, limits, check_units=False, names=(name,))
+    own, answer = screened_alone(
+        own, limits, check_units=False, names=(name,), known=faults.look
+    )
     answered, came = np.where(test, own[name], hidden[name]), usual[name]
     # as it came it needs no room of its own
     same = np.array_equal(answered, came, equal_nan=True)
     whole = hidden.having({name: came if same else answered})
     before = faults.record.having({name: came})
     faults = replace(faults.and_in(test, answer), record=before)
-    still = {n: test & rows for n, rows in stuck_rows(own, limits).items()}
+    still = {n: test & rows for n, rows in stuck_rows(own, limits, answer.look).items()}
     both = {n: rows | still.get(n, False) for n, rows in health.frozen.items()}
     if any(rows.any() for rows in both.values()):
         line = {"stuck": stuck_line(whole, both)}

@@ -79,7 +79,7 @@ class Evidence:
         """
         shapes = [n for n, effect in self.effects.items() if effect.confounder]
         names = [*self.base, *self.misfits, *(c for n in shapes for c in self.own[n])]
-        table = np.column_stack([np.nan_to_num(self.columns[n]) for n in names])
+        table = np.array([without_gaps(self.columns[n]) for n in names]).T
         both = np.column_stack([self.residual, self.with_changes])
         both = both - table @ least_squares_coefficients(table, both)
         return both.T, {n: self.columns[n] for n in names}
@@ -92,3 +92,20 @@ def unknown_columns(
     if known.all():
         return columns
     return {name: np.where(known, column, np.nan) for name, column in columns.items()}
+
+
+def without_gaps(column: np.ndarray) -> np.ndarray:
+    """
+    A column with 0 where it is unknown.
+
+    Parameters
+    ----------
+    column : array, shape (rows,)
+
+    Returns
+    -------
+    array, shape (rows,)
+        The column itself, if it has no gap.
+    """
+    gaps = np.isnan(column)
+    return np.where(gaps, 0.0, column) if gaps.any() else column

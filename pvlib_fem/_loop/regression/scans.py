@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pvlib_fem._loop.regression.evidence import Evidence
+from pvlib_fem._loop.regression.evidence import Evidence, without_gaps
 from pvlib_fem._loop.regression.tangents import Tangents, Tried, tangents
 from pvlib_fem._record.inputs import Inputs
 from pvlib_fem._statistics.clusters import calendar_weeks
@@ -97,11 +97,12 @@ def located_effect(
     """
     scan, wide, own, known = scanned
     drivers = wide.drivers
-    places = {name: inputs[name][evidence.rows[known]] for name in drivers}
     (rest, with_changes), shapes = evidence.without_shape
     if own_columns(drivers):
         rest = with_changes
+    some = slice(None) if known.all() else known
     # of a shape whose driver is missing, as in the residual
-    columns = {key: np.nan_to_num(c[known]) for key, c in (own | shapes).items()}
-    weeks = calendar_weeks(evidence.dates[known])
-    return scan(rest[known], columns, places, weeks, least)
+    columns = {key: without_gaps(c[some]) for key, c in (own | shapes).items()}
+    places = {name: inputs[name][evidence.rows[some]] for name in drivers}
+    weeks = calendar_weeks(evidence.dates[some])
+    return scan(rest[some], columns, places, weeks, least)
