@@ -53,6 +53,7 @@ def loop_of_search(search: Search, last: Step, base: str) -> Loop:
     stderr = search.fits.errors(last, daily, notes)
     notes += held_notes(search)
     tables = repeatable_tables(search, last)
+    search.fits.forget_coarse()
     patterns = tuple(Pattern.from_table(table, record.index) for table in tables)
     steps = dict(search.steps)
     if patterns and case.enough:

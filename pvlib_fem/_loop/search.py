@@ -199,6 +199,8 @@ class Search:
         design = design_of_evidence(
             evidence, record, case.drivers, lifted, step.coefficients
         )
+        # the design has the hourly means of its columns, which are large
+        evidence = replace(evidence, columns={})
         closed = self.closed
         names = [e.name for e in case.wanted if is_before_the_sun(e)]
         names = [name for name in names if name in design.own]
@@ -213,8 +215,6 @@ class Search:
         selection, choices = selected(
             design, case.criteria, closed, begin, self.shown_changes, likelihoods
         )
-        # the design has the hourly means of its columns, which are large
-        evidence = replace(evidence, columns={})
         return Round(evidence, selection, tuple(choices), step.coefficients)
 
     def leave_out_leaks(self, base: Step) -> None:

@@ -1,6 +1,6 @@
 """Scans of the remaining error for the best of several settings of an effect."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,6 @@ def best_setting(
     parameter: str,
     settings: Sequence[Mapping[str, Any]],
     make: Callable,
-    either_sign: bool = False,
 ) -> Any:
     """
     The effect with that of several settings which explains most of a residual.
@@ -40,24 +39,49 @@ def best_setting(
     settings : sequence of dict
     make : callable
         From a setting, by keyword, to the effect.
-    either_sign : bool, default False
-        Whether a negative coefficient is possible, too.
 
     Returns
     -------
     Effect
     """
     names = [f"{parameter}_{i}" for i in range(len(settings))]
-    mine, basis = mine_and_others(tangents, names)
-    part = mine @ basis  # that others explain, which is not formed row by row
-    along = mine @ rest - part @ (rest @ basis)
-    whole = np.einsum("ij,ij->i", mine, mine)
-    squares = whole - np.square(part).sum(axis=1)
-    seen = squares > UNSEEN * whole
-    sizes = np.where(seen, along, 0.0) / np.where(seen, squares, 1.0)
-    explained = sizes * np.abs(along)
-    explained = np.abs(explained) if either_sign else explained
-    return make(**settings[int(np.argmax(explained))])
+    others = [column for name, column in tangents.items() if name not in names]
+    mine = (tangents[name] for name in names)
+    return make(**settings[best_of(mine, others, rest)])
+
+
+def best_of(
+    columns: Iterable[np.ndarray],
+    others: Sequence[np.ndarray],
+    rest: np.ndarray,
+    either_sign: bool = False,
+) -> int:
+    """
+    Number of the column that explains most of a residual given others.
+
+    Parameters
+    ----------
+    columns : iterable of array, shape (rows,)
+        Of which one at a time is held.
+    others : sequence of array, shape (rows,)
+    rest : array, shape (rows,)
+    either_sign : bool, default False
+        Whether a negative coefficient is possible, too.
+
+    Returns
+    -------
+    int
+        The first of columns that explain the same.
+    """
+    basis = orthonormal([*others])
+    along, explained = rest @ basis, []
+    for column in columns:
+        part, square = column @ basis, column @ column
+        beyond = square - part @ part
+        score = column @ rest - part @ along if beyond > UNSEEN * square else 0.0
+        fall = score * abs(score) / (beyond or 1.0)
+        explained.append(abs(fall) if either_sign else fall)
+    return int(np.argmax(explained))
 
 
 def beyond_others(
@@ -77,13 +101,6 @@ def beyond_others(
     -------
     array, shape (rows, names)
     """
-    mine, basis = mine_and_others(tangents, names)
-    return (mine - (mine @ basis) @ basis.T).T
-
-
-def mine_and_others(
-    tangents: Mapping[str, np.ndarray], names: Sequence[str]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Some tangents, one in each row, and an orthonormal basis of the others."""
     mine = np.array([tangents[name] for name in names])
-    return mine, orthonormal([c for n, c in tangents.items() if n not in names])
+    basis = orthonormal([c for name, c in tangents.items() if name not in names])
+    return (mine - (mine @ basis) @ basis.T).T

@@ -15,7 +15,7 @@ from study_records import seen
 
 import pvlib_fem as fem
 from pvlib_fem._loop.regression.evidence import Evidence
-from pvlib_fem._loop.regression.scans import Scanned, located_effect
+from pvlib_fem._loop.regression.scans import Places, Scanned, located_effect
 from pvlib_fem._record.inputs import read
 from pvlib_fem._stored import VERSION
 from pvlib_fem._thermal.model import ThermalModel
@@ -955,7 +955,7 @@ def test_a_rain_between_those_of_the_grid_is_found_near_it():
         return column - (column @ light) / (light @ light) * light
 
     def scanned(effect, rest):
-        columns = derive_drivers(inputs, effect.scanned_from.drivers).columns
+        columns = Places(inputs, slice(None), effect.scanned_from.drivers)
         even = {"soiling.even": light}
         return effect.scan(rest, even, columns, np.zeros(len(rest)), 0.0)
 

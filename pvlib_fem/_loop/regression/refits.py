@@ -252,6 +252,10 @@ class Fits:
             located,
         )
 
+    def forget_coarse(self) -> None:
+        """Let go of the coarse record with the drivers of all that was tried."""
+        self.ready.pop("coarse", None)
+
 
 def with_drivers(record: Record, model: ThermalModel, effect: Effect) -> Record:
     """A record with the drivers of an effect of a model."""

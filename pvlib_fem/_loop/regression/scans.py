@@ -1,6 +1,6 @@
 """Effects where scans of the remaining error find them, such as an obstacle."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ from pvlib_fem._loop.regression.tangents import Tangents, Tried, tangents
 from pvlib_fem._record.inputs import Inputs
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem._thermal.model import ThermalModel
-from pvlib_fem.drivers import own_columns
+from pvlib_fem.drivers import derive_drivers, own_columns
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.reasons import because
 
@@ -23,6 +23,24 @@ class Scanned(NamedTuple):
     wide: Effect
     own: dict[str, np.ndarray]
     known: np.ndarray  # rows on which its drivers are known
+
+
+@dataclass(frozen=True, eq=False)
+class Places(Mapping):
+    """Drivers at some rows, each derived where it is asked for."""
+
+    inputs: Inputs
+    rows: np.ndarray
+    names: Sequence[str]  # of those that are there without being derived
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return derive_drivers(self.inputs, [name])[name][self.rows]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +121,6 @@ def located_effect(
     some = slice(None) if known.all() else known
     # of a shape whose driver is missing, as in the residual
     columns = {key: without_gaps(c[some]) for key, c in (own | shapes).items()}
-    places = {name: inputs[name][evidence.rows[some]] for name in drivers}
+    places = Places(inputs, evidence.rows[some], drivers)
     weeks = calendar_weeks(evidence.dates[some])
     return scan(rest[some], columns, places, weeks, least)

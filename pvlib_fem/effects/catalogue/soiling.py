@@ -3,13 +3,12 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 from pvlib_fem.drivers import Driver
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
-from pvlib_fem.effects._scans import best_setting
+from pvlib_fem.effects._scans import best_of
 
 
 def terms(
@@ -58,20 +57,22 @@ def soiling_by_rain(
     return SOILING.made(**rain, dirtiest=dirtiest, grace=grace)
 
 
-def constant(poa_global: np.ndarray, *days: np.ndarray, even: float) -> Terms:
-    """Constant soiling; the days since each rain that may clean are for the scan."""
+def constant(
+    poa_global: np.ndarray, precipitation: np.ndarray, *, even: float
+) -> Terms:
+    """Constant soiling; the scan derives the days since each rain that may clean."""
     return Terms(heat=even * poa_global)
 
 
 def scan(
     rest: np.ndarray,
     tangents: dict,
-    columns: dict,
+    columns: Mapping[str, np.ndarray],
     weeks: np.ndarray,
     least: float,
     *,
-    days: Mapping[str, str],
-    **how: Any,
+    rains: Sequence[Mapping[str, float]],
+    make: Callable,
 ) -> Effect:
     """
     The effect with that of several rains which explains most of a residual.
@@ -80,8 +81,14 @@ def scan(
     to it is that to constant soiling, times its amount, with an error below 2 %.
     """
     even = tangents["soiling.even"]
-    mine = {name: even * columns[driver] for name, driver in days.items()}
-    return best_setting(rest, tangents | mine, columns, weeks, least, **how)
+    mine = (even * columns[since(rain)] for rain in rains)
+    best = best_of(mine, [*tangents.values()], rest, either_sign=True)
+    return make(**rains[best])
+
+
+def since(rain: Mapping[str, float]) -> Driver:
+    """The days since such a rain."""
+    return Driver("days_since_rain", **rain)
 
 
 #: amounts of rain that may clean [mm]: which rains are enough is a matter of 1 mm
@@ -133,22 +140,13 @@ def near(cleaning: float, within: float, grace: float) -> Effect:
 
 def scanned_over(rains: Sequence[Mapping[str, float]], make: Callable) -> Effect:
     """Soiling of which a scan looks for the rain that cleans among some."""
-    names = [f"soiling.per_day_{i}" for i in range(len(rains))]
-    days = [Driver("days_since_rain", **rain) for rain in rains]
     wide = Effect(
         "soiling",
         constant,
         {"even": Parameter(0.0, -1.0, 1.0, "-")},
-        columns=("poa_global", *days),
+        columns=("poa_global", "precipitation"),
     )
-    scanned = partial(
-        scan,
-        days=dict(zip(names, days)),
-        parameter="soiling.per_day",
-        settings=rains,
-        make=make,
-        either_sign=True,
-    )
+    scanned = partial(scan, rains=rains, make=make)
     return replace(SOILING, make=soiling_by_rain, scan=scanned, scanned_from=wide)
 
 
