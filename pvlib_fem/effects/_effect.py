@@ -155,10 +155,11 @@ class Effect:
         ``scan(rest, tangents, columns, weeks, least)`` returns the effect with settings
         that the residual of a fit suggests, or None. ``rest`` is the residual and
         ``tangents`` a dict by name, both in K: first the parameters of
-        ``scanned_from``, then all fitted coefficients. ``columns`` are the drivers of
-        ``scanned_from``, ``weeks`` the number of each row's week, and ``least`` the
-        least gain of a setting. [K] If the effect that it returns has a scan, this is
-        done next, among settings near those that were found.
+        ``scanned_from``, then all fitted coefficients. ``columns`` has the drivers of
+        ``scanned_from``, and others that follow from the record's columns; ``weeks``
+        is the number of each row's week, and ``least`` the least gain of a setting.
+        [K] If the effect that it returns has a scan, this is done next, among settings
+        near those that were found.
     scanned_from : Effect, optional
         The wide effect whose tangents the scan needs, if it is not this one.
     not_found : Reason
