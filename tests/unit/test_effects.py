@@ -959,10 +959,10 @@ def test_a_rain_between_those_of_the_grid_is_found_near_it():
         even = {"soiling.even": light}
         return effect.scan(rest, even, columns, np.zeros(len(rest)), 0.0)
 
-    coarse, shares = scanned_over(RAINS, soiling_by_rain), []
-    for _ in range(12):
-        rain = np.exp(random.uniform(np.log(0.5), np.log(12.0)))
-        law = {"cleaning": rain, "within": random.uniform(1.0, 24.0)}
+    coarse = scanned_over(RAINS, soiling_by_rain)
+
+    def explained(**law):
+        """Share of a law's dirt that the first scan and both explain."""
         rest = beyond_constant(lost(soiling_by_rain(**law).columns[1]))
         finer = scanned(scanned(find("soiling"), rest), rest)
         assert finer.scan is None
@@ -972,9 +972,18 @@ def test_a_rain_between_those_of_the_grid_is_found_near_it():
         ]
         squares = [(one @ rest) ** 2 / (one @ one) for one in columns]
         assert squares[1] >= squares[0]
-        shares.append(squares / (rest @ rest))
-    grid, near = np.mean(shares, axis=0)
+        return squares / (rest @ rest)
+
+    drawn = []
+    for _ in range(12):
+        rain = np.exp(random.uniform(np.log(0.5), np.log(12.0)))
+        drawn.append(explained(cleaning=rain, within=random.uniform(1.0, 24.0)))
+    grid, near = np.mean(drawn, axis=0)
     assert grid < 0.93 and near > 0.96
+    # those of pvlib: 0.5 and 1 mm in an hour, 6 mm in a day, and days of grace
+    for rain in ((0.5, 1.0), (1.0, 1.0), (1.0, 3.0), (6.0, 24.0), (6.0, 24.0, 14.0)):
+        law = dict(zip(("cleaning", "within", "grace"), rain))
+        assert explained(**law).min() > 0.999
 
 
 @pytest.mark.parametrize("closed", [0.0, 0.4, 0.84])

@@ -91,19 +91,26 @@ def since(rain: Mapping[str, float]) -> Driver:
     return Driver("days_since_rain", **rain)
 
 
-#: amounts of rain that may clean [mm]: which rains are enough is a matter of 1 mm
-AMOUNTS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0)
+#: amounts of rain that may clean [mm]
+AMOUNTS = (0.5, 1.0, 2.0, 4.0, 6.0, 9.0, 12.0)
 #: hours in which it falls, and days after it without dust: the hour of Coello and
-#: Boyle, a shower, and the day of Kimber et al., also with their days of grace
-SPANS = ((1.0, 0.0), (6.0, 0.0), (24.0, 0.0), (24.0, 14.0))
+#: Boyle, showers, and the day of Kimber et al., also with their days of grace
+SPANS = ((1.0, 0.0), (3.0, 0.0), (6.0, 0.0), (12.0, 0.0), (24.0, 0.0), (24.0, 14.0))
 RAINS = tuple(
     {"cleaning": amount, "within": within, "grace": grace}
     for within, grace in SPANS
     for amount in AMOUNTS
 )
 #: hours that are tried with rains near one of these
-NEAR = {1.0: (1.0, 2.5), 6.0: (2.5, 6.0, 12.0), 24.0: (12.0, 24.0)}
-STEPS = 4  # from one of the amounts to the next
+NEAR = {
+    1.0: (1.0, 2.0),
+    3.0: (2.0, 3.0, 4.5),
+    6.0: (4.5, 6.0, 9.0),
+    12.0: (9.0, 12.0, 18.0),
+    24.0: (18.0, 24.0),
+}
+#: from one of the amounts to the next: which rains are enough is a matter of 1 mm
+STEPS = 8
 SOILING = Effect(
     "soiling",
     terms,
