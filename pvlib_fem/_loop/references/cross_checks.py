@@ -1,6 +1,6 @@
 """Cross-checks of the candidates of a choice, by how they deviate from references."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -77,7 +77,8 @@ def log_likelihoods(
                 own = effects.get(name, first)
                 names = [name] if name in effects else concerned
                 several = [*map(choice.sized, names)]
-                log = log_likelihood(one, own, several, coefficients, any_size)
+                given = ways(one, own)
+                log = log_likelihood(given, own, several, coefficients, any_size)
                 logs[name] += one.weight * log
     return logs
 
@@ -115,9 +116,10 @@ def log_likelihoods_of_sizes(
                 continue
             given = reference.given_effects(filter(reference.concerns, others))
             # faults of one law have the same dates, along which it deviates once
-            first, several = faults[mine[0]].effect, [faults[i] for i in mine]
-            for i, one in zip(mine, several):
-                log = log_likelihood(given, first, [one], coefficients)
+            first = faults[mine[0]].effect
+            known = [*ways(given, first)]
+            for i in mine:
+                log = log_likelihood(known, first, [faults[i]], coefficients)
                 each[i] += reference.weight * log
         logs.append(float(np.logaddexp.reduce(each) - np.log(len(each))))
     return logs
@@ -141,7 +143,7 @@ def ways(
 
 
 def log_likelihood(
-    reference: DailyDeviation,
+    given: Iterable[tuple[float, DailyDeviation]],
     first: Effect,
     several: Sequence[Sized],
     coefficients: Mapping[str, float],
@@ -152,7 +154,8 @@ def log_likelihood(
 
     Parameters
     ----------
-    reference : DailyDeviation
+    given : iterable of (float, DailyDeviation)
+        The reference, from :func:`ways`.
     first : Effect
         Along whose time profile it is.
     several : sequence of Sized
@@ -167,9 +170,8 @@ def log_likelihood(
     float
     """
     logs = [
-        log_weight
-        + likelihood_ratio(given.shown(first, several, coefficients), any_size)
-        for log_weight, given in ways(reference, first)
+        log_weight + likelihood_ratio(one.shown(first, several, coefficients), any_size)
+        for log_weight, one in given
     ]
     return float(np.logaddexp.reduce(logs))
 

@@ -10,6 +10,7 @@ from pvlib_fem._loop.references.cross_checks import (
     ODD,
     log_likelihood,
     log_likelihoods,
+    ways,
 )
 from pvlib_fem._loop.references.deviations import DailyDeviation
 from pvlib_fem._loop.selection.change_dates import Costs, Scan
@@ -98,10 +99,11 @@ def at_best_dates(
         logs = 0.5 * (sure**2 * falls / most - costs([other.effect for other in tried]))
         logs -= [dates_cost(other.dates, sure) for other in tried]
         for i, other in enumerate(tried):
-            with_size = alone(selection, other.effect, given)
+            it = other.effect
+            with_size = alone(selection, it, given)
             sized = [with_size.sized(name)] if with_size else []
             logs[i] += sum(
-                by.weight * log_likelihood(by, other.effect, sized, coefficients)
+                by.weight * log_likelihood(ways(by, it), it, sized, coefficients)
                 for by in concerned
             )
         if at := int(np.argmax(logs)):
