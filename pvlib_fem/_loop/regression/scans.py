@@ -27,7 +27,7 @@ class Scanned(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Places(Mapping):
-    """Drivers at some rows, each derived where it is asked for."""
+    """Drivers at some rows, each derived when it is read."""
 
     inputs: Inputs
     rows: np.ndarray
