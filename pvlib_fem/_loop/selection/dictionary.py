@@ -2,7 +2,8 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import cast
+from functools import lru_cache
+from typing import Any, cast
 
 import numpy as np
 from scipy.special import gammaln
@@ -147,10 +148,16 @@ def all_candidates(
         for time_profile, dates in scan.along(place, *signs):
             if time_profile not in changes:
                 continue
-            effect = changes[time_profile].dates(**dates)
+            effect = dated(changes[time_profile], *dates.items())
             one = Candidate(effect, design.columns_of(effect), float(np.log(prior)))
             log_dates = one.dates * np.log(days) - gammaln(one.dates + 1.0)
             yield replace(one, log_dates=float(log_dates))
+
+
+@lru_cache(maxsize=4096)  # a search comes to the same dates again and again
+def dated(change: Effect, *dates: tuple[str, Any]) -> Effect:
+    """A change without dates, with some."""
+    return change.dates(**dict(dates))
 
 
 def log_odds(probability: float) -> float:
