@@ -172,11 +172,11 @@ class Search:
             self.report(f"fitting {', '.join(this.names) or 'no further effect'}")
             fit = self.with_effects(plain, this.choices)
             bound = {*fit.at_bound}
-            out = [
-                one.top.name for one in this.choices if {*one.top.effect.rows()} & bound
-            ]
+            out = [one.top for one in this.choices if {*one.top.effect.rows()} & bound]
             if out:  # the smallest, which may be there for what another is not
-                self.closed |= {out[-1]}
+                self.closed |= {out[-1].name}
+                _, why = check_of_bounds(out[-1].effect.rows(), fit)
+                self.untestable[out[-1].name] = why
                 continue
             seen.add(this.chosen)
             step, begin = fit, this.choices

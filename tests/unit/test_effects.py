@@ -14,6 +14,7 @@ from hypothesis import given, strategies as st
 from study_records import seen
 
 import pvlib_fem as fem
+from pvlib_fem import datasets
 from pvlib_fem._loop.regression.evidence import Evidence
 from pvlib_fem._loop.regression.scans import Places, Scanned, located_effect
 from pvlib_fem._record.inputs import read
@@ -933,6 +934,25 @@ def test_a_module_answers_dirt_as_constant_dirt_times_its_amount(rain, tau):
     taken = fem.ewm(data["poa_global"], tau) * days
     assert days.max() > 10.0
     assert ((taken - answer) ** 2).sum() < 0.02**2 * (answer**2).sum()
+
+
+def test_an_effect_that_ends_at_a_bound_is_said_to():
+    """It is in no model, and its error is an unexplained pattern."""
+    data = datasets.synthetic(365, 600, seed=7, noise=0).tz_localize(None)
+    model = ThermalModel(STEADY_MODELS["faiman"], "balance", (find("wind_shape"),))
+    values = {"u0": 25.0, "u1": 12.0, "capacity": 17e3, "bias": 0.0}
+    values |= {"wind_shape.root": -14.2, "wind_shape.stall": 0.0}
+    bound = find("wind_shape").parameters["root"].lower
+    assert values["wind_shape.root"] < bound
+    module = model.predict(*(data[name] for name in DRIVERS[:3]), values)
+    noise = np.random.default_rng(0).normal(0.0, 0.1, len(module))
+    data = data[[*DRIVERS[:3]]].assign(temp_module=module + noise)
+    loop = fem.close_loop(data, effects="wind_shape")
+    assert loop.effects == [] and loop.unexplained
+    why = loop.untestable["wind_shape"]
+    assert why.reason is Reason.AT_BOUND
+    assert why.values["coefficient"] == "wind_shape.root"
+    assert f"wind_shape ({why})" in " ".join(loop.report().split())
 
 
 def rains_explained(seed):

@@ -133,6 +133,17 @@ def ways(
 
     An effect may be what a reference shows by itself, or come in addition to it. Else a
     step in winter would seem to confirm a trend from summer on.
+
+    Parameters
+    ----------
+    reference : DailyDeviation
+        With what it shows by itself.
+    effect : Effect
+        Along whose time profile it is looked at.
+
+    Yields
+    ------
+    float, DailyDeviation
     """
     own, profile = map(time_profile_of, reference.own), time_profile_of(effect)
     if not reference.own or not profile or profile in own:
