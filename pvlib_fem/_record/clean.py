@@ -122,7 +122,9 @@ class CleanRecord:
 
     def shares(self, name: str, other: "CleanRecord") -> bool:
         """Whether another record has the same column, less the same rows."""
-        if self.holes_of(name) is not other.holes_of(name) or self.clip != other.clip:
+        if self.holes_of(name) is not other.holes_of(name):
+            return False
+        if self.clip != other.clip or self.added != other.added:
             return False
         one, its = self.source, other.source
         if isinstance(one, FrameRecord) and isinstance(its, FrameRecord):
