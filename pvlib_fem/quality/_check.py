@@ -68,7 +68,8 @@ def frozen_in(
     others = any(rows.any() for n, rows in frozen.items() if n != "temp_module")
     if not others or (off := module_lag(record.inputs, limits)) is None:
         return frozen
-    in_time = stuck_rows(replace(record, inputs=in_step(record.inputs, off)), limits)
+    timed = replace(record, inputs=in_step(record.inputs, off))
+    in_time = stuck_rows(timed, limits, known)
     return in_time | {"temp_module": frozen["temp_module"]}
 
 

@@ -12,6 +12,7 @@ from pvlib_fem._record.clean import NONE, CleanRecord, rows_in_spans
 from pvlib_fem._record.inputs import Inputs
 from pvlib_fem._record.parquet import Block, ParquetRecord
 from pvlib_fem._record.ranges import NO_CODE, as_codes, possible_range
+from pvlib_fem._statistics.clusters import date_starts
 from pvlib_fem.quality._limits import DRIVERS, FASTEST, POSSIBLE, Limits
 from pvlib_fem.quality._outliers import (
     is_switch,
@@ -312,9 +313,8 @@ class Look:
         self.gaps += [(block.start + i, times[i] - steps[i], times[i]) for i in long]
         first = int(block.start == 0)
         count_steps(self.steps, steps[first:])
-        dates = block.dates
-        other = dates[1:] != dates[:-1]
-        self.days.update([*dates[:1].tolist(), *dates[1:][other].tolist()])
+        first_rows, _ = date_starts(block.dates)
+        self.days.update(block.dates[first_rows].tolist())
         some = slice(-block.start % self.every, None, self.every)
         kept = {}
         for name, column in self.columns.items():
