@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from pvlib.location import Location
 from scipy.signal import lfilter
 from scipy.stats import binomtest, f as fdistribution
 
@@ -1122,6 +1123,31 @@ def test_a_round_begins_with_the_choices_of_the_one_before(monkeypatch):
     close_loop(simulator.record(effects=effects, days=200, step=900, seed=2))
     assert begun[0][0] == set() and len(begun) > 1
     assert begun[1][0] == begun[0][1] == begun[1][1] != set()
+
+
+def test_an_obstacle_is_worth_as_much_once_it_is_in_the_model(monkeypatch):
+    """Tangents that contain its shade in part would explain it between them."""
+    gains, every = [], Search.round
+
+    def noted(search, step, begin):
+        last = every(search, step, begin)
+        selection, (one,) = last.selection, last.choices
+        assert one.top.name == "shading"
+        gains.append(selection.score(one.top, selection.design.base).fall)
+        return last
+
+    monkeypatch.setattr(Search, "round", noted)
+    effects = simulator.PHYSICS | {"shading": 1.0}
+    data = simulator.record(effects=effects, days=365, step=900, seed=2)
+    site = simulator.RHINE
+    close_loop(
+        data.drop(columns=["p_dc_per_area", "snow_depth"]),
+        location=Location(site.latitude, site.longitude, site.tz),
+        surface_tilt=site.surface_tilt,
+        surface_azimuth=site.surface_azimuth,
+    )
+    assert len(gains) == 2
+    np.testing.assert_allclose(gains[1], gains[0], rtol=0.1)
 
 
 @pytest.mark.parametrize("order", [1, -1])

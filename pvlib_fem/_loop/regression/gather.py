@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pvlib_fem._loop.regression.evidence import Evidence
+from pvlib_fem._loop.regression.evidence import Evidence, follows_sun_alone
 from pvlib_fem._loop.regression.misfits import early_errors, shape_errors
 from pvlib_fem._loop.regression.scans import Scanned, Scans
 from pvlib_fem._loop.regression.tangents import (
@@ -67,51 +67,61 @@ def gather_evidence(
     inputs, tried, failed = ready_effects(model, inputs, seen, candidates)
     temperature = model.temperature(inputs, coefficients)
     rows = np.flatnonzero(seen & np.isfinite(temperature))
-    # two tangents that contain a change in part would explain it between them
+    # two tangents that contain a change or an obstacle in part would explain it
+    # between them
     changes = [effect for effect in model.effects if effect.sensor_fault]
-    without_faults = replace(
-        model, effects=tuple(e for e in model.effects if not e.sensor_fault)
-    )
-    at = Tangents.from_model(without_faults, inputs, coefficients, rows)
-    before = (
-        without_faults.temperature(inputs, coefficients) if changes else temperature
-    )
-    evidence = evidence_of_model(at, fixed, record, rows, temperature, before)
+    obstacles = [*filter(follows_sun_alone, model.effects)]
+    with_obstacles = without(changes, model)
+    plain = without(obstacles, with_obstacles)
+    at = Tangents.from_model(plain, inputs, coefficients, rows)
+    own, explained, before = at.slopes(), temperature, temperature
+    if changes:
+        explained = before = with_obstacles.temperature(inputs, coefficients)
+    if obstacles:
+        there = Tangents.from_model(with_obstacles, inputs, coefficients, rows)
+        own = there.slopes() | own
+        before = plain.temperature(inputs, coefficients)
+    free = [name for name in with_obstacles.free if name not in fixed]
+    base = {name: own[name] for name in free if own[name].any()}
+    measured = record["temp_module"]
+    residuals = (measured - temperature)[rows], (measured - explained)[rows]
+    bias = coefficients["bias"]
+    evidence = evidence_of_model(base, record, rows, residuals, before, bias)
     evidence = replace(evidence, failed=failed)
     every = tangents(tried, failed, inputs, at)
     evidence, scanned = with_tangents(evidence, every, record)
     evidence = Scans(model, inputs, at, least).added(evidence, scanned, located)
-    return with_secants(evidence, changes, without_faults, inputs, coefficients, before)
+    return with_secants(evidence, changes, plain, inputs, coefficients, before)
+
+
+def without(effects: Collection[Effect], model: ThermalModel) -> ThermalModel:
+    """A model without some of its effects."""
+    kept = tuple(one for one in model.effects if one not in effects)
+    return replace(model, effects=kept)
 
 
 def evidence_of_model(
-    at: Tangents,
-    fixed: Collection[str],
+    base: dict[str, np.ndarray],
     record: Record,
     rows: np.ndarray,
-    temperature: np.ndarray,
+    residuals: tuple[np.ndarray, np.ndarray],
     before: np.ndarray,
+    bias: float,
 ) -> Evidence:
     """
     Evidence of the coefficients and misfits of a model, without candidates.
 
-    Of two temperatures [°C], ``before`` is that without changes of sensors.
+    The first of two residuals is that of the model, the second has what its changes
+    explain. [K] ``before`` is its temperature without changes and obstacles. [°C]
     """
-    own = at.slopes()
-    base = [n for n in at.model.free if n not in fixed and own[n].any()]
-    wrong = shape_errors(before - at.coefficients["bias"], record, rows)
-    residual = (record["temp_module"] - temperature)[rows]
-    columns = {name: own[name] for name in base} | wrong
+    residual, with_changes = residuals
+    wrong = shape_errors(before - bias, record, rows)
+    columns = base | wrong
     if early := early_errors(before, record, rows, columns, residual):
         wrong, columns = wrong | early, columns | early
+    dates = record.dates[rows]
     return Evidence(
-        columns,
-        residual,
-        (record["temp_module"] - before)[rows],
-        record.dates[rows],
-        rows,
-        tuple(base),
-        tuple(wrong),
+        columns, residual, with_changes, dates, rows, tuple(base), tuple(wrong)
     )
 
 

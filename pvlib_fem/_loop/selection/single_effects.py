@@ -8,6 +8,7 @@ import numpy as np
 
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.regression.design import Changed, Column, Design
+from pvlib_fem._loop.regression.evidence import follows_sun_alone
 from pvlib_fem._loop.selection.change_dates import Costs, Scan
 from pvlib_fem._loop.selection.change_sums import PROFILE_ERROR, UNSEEN, dates_cost
 from pvlib_fem._loop.selection.choice import Choice, Score, ShownChange, Sized
@@ -26,10 +27,9 @@ from pvlib_fem._statistics.weekly_sums import (
     held_out,
     with_ridge,
 )
-from pvlib_fem.drivers import own_columns
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._instruments import INERTIA
-from pvlib_fem.effects._time_profiles import is_compared, is_dated
+from pvlib_fem.effects._time_profiles import is_compared
 
 BETTER = 1.02  # times as much as another explains a candidate has to, to replace it
 MOST_SHOWN = 5.0  # log-likelihood by all references that one candidate adds or takes
@@ -543,9 +543,3 @@ def worth_share(one: Candidate, sure: float) -> float:
     """
     cost = dates_cost(one.dates, sure)
     return 1.0 - 2.0 * cost / max(sure, 1e-12) ** 2
-
-
-def follows_sun_alone(effect: Effect) -> bool:
-    """Whether an effect has neither dates nor a measured driver of its own."""
-    own = effect.column or effect.confounder or own_columns(effect.drivers)
-    return not own and not is_dated(effect)
