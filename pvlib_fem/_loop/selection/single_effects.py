@@ -124,16 +124,25 @@ class Selection:
         """All choices, the largest first, beginning with some; one profile left out."""
         settled = self.settled([*choices], without)
         seen: set[frozenset[Column]] = set()
-        while len(settled) < MOST:
-            best = self.best(settled, without=without)
-            if best is None:
+        while True:
+            grown = self.grown(settled, without)
+            if len(grown) == len(settled):
                 break
-            settled = self.settled([*settled, best], without)
+            settled = self.settled(grown, without)
             key = frozenset(c for one in settled for c in one.top.columns)
             if key in seen:  # one that comes lets another go, in turn
                 break
             seen.add(key)
         return sorted(settled, key=lambda one: -one.fall)
+
+    def grown(self, choices: list[Choice], without: str) -> list[Choice]:
+        """Some choices, and all that are best given those before."""
+        while len(choices) < MOST:
+            best = self.best(choices, without=without)
+            if best is None:
+                break
+            choices = [*choices, best]
+        return choices
 
     def kept_beside(
         self, choices: Sequence[Choice], reported: Sequence[Choice]
