@@ -940,8 +940,8 @@ def test_an_effect_that_ends_at_a_bound_is_said_to():
     """It is in no model, and its error is an unexplained pattern."""
     data = datasets.synthetic(365, 600, seed=7, noise=0).tz_localize(None)
     model = ThermalModel(STEADY_MODELS["faiman"], "balance", (find("wind_shape"),))
-    values = {"u0": 25.0, "u1": 12.0, "capacity": 17e3, "bias": 0.0}
-    values |= {"wind_shape.root": -14.2, "wind_shape.stall": 0.0}
+    values = {"u0": 25.0, "u1": 24.0, "capacity": 17e3, "bias": 0.0}
+    values |= {"wind_shape.root": -28.4, "wind_shape.stall": 0.0}
     bound = find("wind_shape").parameters["root"].lower
     assert values["wind_shape.root"] < bound
     module = model.predict(*(data[name] for name in DRIVERS[:3]), values)
