@@ -18,9 +18,8 @@ def terms(
 
     ``root`` is the loss by the square root of wind, as for a laminar boundary layer.
     At its upper bound it equals the loss by wind of Faiman's modules [2]_, 6.84 W
-    s/(m³ K) times wind speed, at 8.5 m/s.
-    ``stall`` applies only below about ``calm`` (0.7 m/s), where the cups do not turn
-    although the air moves.
+    s/(m³ K) times wind speed, at 8.5 m/s. ``stall`` applies only below about ``calm``
+    (0.7 m/s), where the cups do not turn although the air moves.
 
     References
     ----------
