@@ -14,6 +14,7 @@ from typing import Any, cast
 import numpy as np
 import pandas as pd
 
+from pvlib_fem.drivers import own_columns
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
 
 YEAR = 365.2425  # days
@@ -388,6 +389,22 @@ def is_dated(effect: Effect) -> bool:
     bool
     """
     return bool(effect.sensor_fault) or "start" in effect.settings
+
+
+def follows_sun_alone(effect: Effect) -> bool:
+    """
+    Whether an effect has neither dates nor a measured driver of its own.
+
+    Parameters
+    ----------
+    effect : Effect
+
+    Returns
+    -------
+    bool
+    """
+    own = effect.column or effect.confounder or own_columns(effect.drivers)
+    return not own and not is_dated(effect)
 
 
 def is_compared(effect: Effect) -> bool:

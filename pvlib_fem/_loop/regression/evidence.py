@@ -7,9 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from pvlib_fem._statistics.weekly_sums import least_squares_coefficients
-from pvlib_fem.drivers import own_columns
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.effects._time_profiles import is_dated
 from pvlib_fem.reasons import Because
 
 
@@ -111,19 +109,3 @@ def without_gaps(column: np.ndarray) -> np.ndarray:
     """
     gaps = np.isnan(column)
     return np.where(gaps, 0.0, column) if gaps.any() else column
-
-
-def follows_sun_alone(effect: Effect) -> bool:
-    """
-    Whether an effect has neither dates nor a measured driver of its own.
-
-    Parameters
-    ----------
-    effect : Effect
-
-    Returns
-    -------
-    bool
-    """
-    own = effect.column or effect.confounder or own_columns(effect.drivers)
-    return not own and not is_dated(effect)

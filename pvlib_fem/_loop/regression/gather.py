@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pvlib_fem._loop.regression.evidence import Evidence, follows_sun_alone
+from pvlib_fem._loop.regression.evidence import Evidence
 from pvlib_fem._loop.regression.misfits import early_errors, shape_errors
 from pvlib_fem._loop.regression.scans import Scanned, Scans
 from pvlib_fem._loop.regression.tangents import (
@@ -18,7 +18,11 @@ from pvlib_fem._record.inputs import Inputs, Record
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.effects._time_profiles import scaled_terms, weights_of
+from pvlib_fem.effects._time_profiles import (
+    follows_sun_alone,
+    scaled_terms,
+    weights_of,
+)
 from pvlib_fem.reasons import Reason, because
 
 
@@ -157,7 +161,8 @@ def with_secants(
     """
     The evidence with the response to each change in the model in place of its tangent.
 
-    The model is that without changes, and ``before`` its temperature. [°C]
+    The model is that without changes and obstacles, and ``before`` its temperature.
+    [°C]
     """
     columns = dict(evidence.columns)
     for effect in changes:
@@ -182,7 +187,7 @@ def secant(
     Effect of a change in the model on the temperature, per unit of its size. [K]
 
     The tangent is too small for a large change: a third less loss warms by a half. The
-    model is that without changes, and ``before`` its temperature. [°C]
+    model is that without it, and ``before`` its temperature. [°C]
     """
     sensor_fault, (size,) = scaled_terms(effect).sensor_fault, effect.rows()
     weights = weights_of(effect, dates)

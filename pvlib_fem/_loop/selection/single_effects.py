@@ -8,7 +8,6 @@ import numpy as np
 
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.regression.design import Changed, Column, Design
-from pvlib_fem._loop.regression.evidence import follows_sun_alone
 from pvlib_fem._loop.selection.change_dates import Costs, Scan
 from pvlib_fem._loop.selection.change_sums import PROFILE_ERROR, UNSEEN, dates_cost
 from pvlib_fem._loop.selection.choice import Choice, Score, ShownChange, Sized
@@ -29,7 +28,7 @@ from pvlib_fem._statistics.weekly_sums import (
 )
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._instruments import INERTIA
-from pvlib_fem.effects._time_profiles import is_compared
+from pvlib_fem.effects._time_profiles import follows_sun_alone, is_compared
 
 BETTER = 1.02  # times as much as another explains a candidate has to, to replace it
 MOST_SHOWN = 5.0  # log-likelihood by all references that one candidate adds or takes
