@@ -95,6 +95,7 @@ class Search:
     #: effects as the last round that found their place or time has them, by name
     located: dict[str, Effect] = field(default_factory=dict)
     last: Round | None = None  # that which chose what is in the model
+    error: float | None = None  # mean square error without effects [K²]
 
     @property
     def case(self) -> Case:
@@ -192,13 +193,20 @@ class Search:
         case = self.case
         there = {e.name for e in step.model.effects if not e.sensor_fault}
         wanted = [effect for effect in case.wanted if effect.name not in there]
-        evidence = self.fits.gathered(step, wanted, self.located)
+        at = self.fits.linearisation(step, wanted)
+        evidence = at.evidence(wanted, self.located)
         self.located |= evidence.effects
         lifted = [e for e in step.model.effects if e.name not in self.usual]
-        record = self.fits.ready["coarse"][1]
         design = design_of_evidence(
-            evidence, record, case.drivers, lifted, step.coefficients
+            evidence,
+            at.record,
+            case.drivers,
+            step.coefficients,
+            lifted,
+            at.without_each(lifted, evidence),
         )
+        if self.error is None:  # the first model is that without effects
+            self.error = design.base_error
         # the design has the hourly means of its columns, which are large
         evidence = replace(evidence, columns={})
         closed = self.closed
@@ -213,7 +221,13 @@ class Search:
             log_likelihoods_of_sizes, self.references, step.coefficients
         )
         selection, choices = selected(
-            design, case.criteria, closed, begin, self.shown_changes, likelihoods
+            design,
+            case.criteria,
+            closed,
+            begin,
+            self.shown_changes,
+            likelihoods,
+            self.error,
         )
         return Round(evidence, selection, tuple(choices), step.coefficients)
 
@@ -382,7 +396,8 @@ class Search:
         given_all = others, references, this.coefficients
         one, logs = weighed_by_references(selection, choice, *given_all)
         given, limits = selection.given(others), self.case.criteria
-        return with_outside(selection.design, one, given, limits, logs), references
+        design = selection.design.at(given)
+        return with_outside(design, one, given, limits, logs), references
 
     def described(
         self, this: Round, choice: Choice, others: Sequence[Choice]

@@ -176,7 +176,7 @@ class Look:
             ):
                 continue
             given = selection.given(others)
-            choice = with_outside(design, choice, given, limits, logs)
+            choice = with_outside(design.at(given), choice, given, limits, logs)
             if self.one.name in choice.credible_names(limits.min_probability):
                 known = choice.untested <= HALF
                 return known or self.one.effect.unseen_light

@@ -1125,18 +1125,31 @@ def test_a_round_begins_with_the_choices_of_the_one_before(monkeypatch):
     assert begun[1][0] == begun[0][1] == begun[1][1] != set()
 
 
-def test_an_obstacle_is_worth_as_much_once_it_is_in_the_model(monkeypatch):
-    """Tangents that contain its shade in part would explain it between them."""
+def gains_by_round(monkeypatch):
+    """What each choice explains, by name, of rounds that are still to come. [K²]"""
     gains, every = [], Search.round
 
     def noted(search, step, begin):
         last = every(search, step, begin)
-        selection, (one,) = last.selection, last.choices
-        assert one.top.name == "shading"
-        gains.append(selection.score(one.top, selection.design.base).fall)
+        gains.append({one.top.name: one.fall for one in last.choices})
         return last
 
     monkeypatch.setattr(Search, "round", noted)
+    return gains
+
+
+def test_an_effect_is_worth_as_much_once_it_is_in_the_model(monkeypatch):
+    """Tangents that contain it in part would explain it between them."""
+    gains = gains_by_round(monkeypatch)
+    effects = simulator.PHYSICS | {"wind_direction": 2.0, "rain": 1.0}
+    close_loop(simulator.record(effects=effects, days=200, step=900, seed=2))
+    assert len(gains) == 2 and {*gains[0]} == {"wind_direction", "rain"}
+    assert gains[1] == pytest.approx(gains[0], rel=0.1)
+
+
+def test_an_obstacle_is_worth_as_much_once_it_is_in_the_model(monkeypatch):
+    """Tangents that contain its shade in part would explain it between them."""
+    gains = gains_by_round(monkeypatch)
     effects = simulator.PHYSICS | {"shading": 1.0}
     data = simulator.record(effects=effects, days=365, step=900, seed=2)
     site = simulator.RHINE
@@ -1146,8 +1159,28 @@ def test_an_obstacle_is_worth_as_much_once_it_is_in_the_model(monkeypatch):
         surface_tilt=site.surface_tilt,
         surface_azimuth=site.surface_azimuth,
     )
-    assert len(gains) == 2
-    np.testing.assert_allclose(gains[1], gains[0], rtol=0.1)
+    assert len(gains) == 2 and {*gains[0]} == {"shading"}
+    assert gains[1] == pytest.approx(gains[0], rel=0.1)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_columns_are_those_of_the_model_with_what_is_given(seed):
+    """What the other effects of the model add is in none of them."""
+    random, (days, hours) = np.random.default_rng(seed), clock(70)
+    rest, one, film, dew = random.normal(size=(4, len(days)))
+    columns = {"one": one, "rain.film": film, "dew.share": dew}
+    made = design(rest, columns, days, hours, own=["rain"])
+    made = replace(made, own=made.own | {"dew": (3,)})
+    by_rain, by_dew = random.normal(size=(2, *made.cells.shape))
+    every = replace(made, added={(2,): by_rain, (3,): by_dew})
+    parts = {(1, 2, 3): 0.0, (1, 2): by_dew, (1, 3): by_rain, (1,): by_rain + by_dew}
+    for columns, less in parts.items():
+        cells = made.cells - less
+        table = cells[:, [0, *columns]]
+        found = every.at(columns)
+        np.testing.assert_allclose(found.cells, cells, atol=1e-12)
+        np.testing.assert_allclose(found.whole(columns), table.T @ table, atol=1e-9)
+        assert every.at(columns) is found
 
 
 @pytest.mark.parametrize("order", [1, -1])

@@ -12,7 +12,7 @@ from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.preparation.planes import plane_of_columns, with_given
 from pvlib_fem._loop.ranking.ranking import ranked
 from pvlib_fem._loop.ranking.ranking_table import Ranking, table_of
-from pvlib_fem._loop.regression.gather import gather_evidence
+from pvlib_fem._loop.regression.gather import Linearisation
 from pvlib_fem._loop.regression.hourly_tangents import design_of_evidence
 from pvlib_fem._loop.selection.single_effects import Selection
 from pvlib_fem._record.column_names import (
@@ -158,10 +158,9 @@ def rank_effects(
     else:
         coefficients = {**model.steady_model.fixed, **fit.coefficients}
         bounds, least = fit.at_bound, criteria.min_hint_reduction
-        evidence = gather_evidence(
-            model, coefficients, record, seen, testable, bounds, least, {}
-        )
-        design = design_of_evidence(evidence, record, drivers, (), coefficients)
+        at = Linearisation(model, coefficients, record, seen, bounds, least)
+        evidence = at.evidence(testable, {})
+        design = design_of_evidence(evidence, record, drivers, coefficients)
         selection = Selection(design, criteria)
         weighed, failed = ranked(selection, evidence, [*design.base], days)
         rows |= {name: {"note": str(why)} for name, why in failed.items()}

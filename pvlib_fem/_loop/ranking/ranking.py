@@ -82,7 +82,7 @@ def ranked(
     -------
     dict of Row, dict of Because
     """
-    design, failed = selection.design, dict(evidence.failed)
+    design, failed = selection.design.at(given), dict(evidence.failed)
     rows: dict[str, Row] = {}
     there: list[tuple[Candidate, np.ndarray]] = []
     for one in selection.with_same_law(selection.candidates(given, taken)):

@@ -22,6 +22,7 @@ from pvlib_fem._statistics.weekly_sums import (
     coefficients_from,
     effective_length,
     effective_number,
+    held_out,
     products,
     with_ridge,
 )
@@ -92,6 +93,8 @@ class Design:
     #: whether a day may be an outlier, which counts less where dates are looked for
     outliers: bool = True
     plain: "Design | None" = field(default=None, repr=False)  # the same without
+    #: what each effect of the fitted model adds to all columns, by its own columns
+    added: dict[tuple[int, ...], np.ndarray] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of_columns(
@@ -122,6 +125,32 @@ class Design:
             changing=tuple(changing),
             places={"hour": np.arange(len(dates)) - first[days]},
         )
+
+    def at(self, given: Collection[Column]) -> "Design":
+        """
+        The design of the model with those of its effects that are given.
+
+        To first order: without what each of the others adds to residual and tangents.
+        """
+        absent = tuple(own for own in self.added if not {*own} & {*given})
+        if not absent:
+            return self
+        if absent not in self.without:
+            cells = self.cells - np.sum([self.added[own] for own in absent], axis=0)
+            # a column is contiguous in memory
+            cells = np.asfortranarray(cells)
+            self.without[absent] = replace(self, cells=cells, added={})
+        return self.without[absent]
+
+    @cached_property
+    def without(self) -> dict[tuple[tuple[int, ...], ...], "Design"]:
+        """Designs without some effects of the model, made once."""
+        return {}
+
+    @cached_property
+    def base_error(self) -> float:
+        """Mean square error given the base, on weeks left out in turn. [K²]"""
+        return held_out(self.by_week(self.base), self.folds) / self.count
 
     @cached_property
     def dates(self) -> np.ndarray:

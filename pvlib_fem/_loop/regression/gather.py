@@ -1,7 +1,7 @@
 """Evidence for candidates given a fitted model, row by row."""
 
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,20 +26,12 @@ from pvlib_fem.effects._time_profiles import (
 from pvlib_fem.reasons import Reason, because
 
 
-def gather_evidence(
-    model: ThermalModel,
-    coefficients: dict[str, float],
-    record: Record,
-    seen: np.ndarray,
-    candidates: Iterable[Effect],
-    fixed: Collection[str],
-    least: float,
-    located: Mapping[str, Effect],
-) -> Evidence:
+@dataclass(frozen=True, eq=False)
+class Linearisation:
     """
-    Evidence for candidates given a model at its minimum.
+    A model at its minimum, and the rows on which its tangents are made.
 
-    Parameters
+    Attributes
     ----------
     model : ThermalModel
         Model with the effects that are fitted.
@@ -47,55 +39,88 @@ def gather_evidence(
         All of the model's.
     record : Record
         With every measured driver of the candidates.
-    seen : array of bool, shape (rows,)
+    seen : ndarray of bool, shape (rows,)
         Rows that count. Where a driver is missing they do not count for its effect.
-    candidates : sequence of Effect
-        Effects that are not in the model.
     fixed : sequence of str
         Coefficients that are held, or at a bound, where they stay.
     least : float
         Gain from which the edges of an obstacle before the sun are fitted. [K]
-    located : dict of Effect
-        Where scans of other models found effects, by name: another effect of this model
-        may explain what they found.
-
-    Returns
-    -------
-    Evidence
-        Tangents of the model and of the candidates, and the residual.
     """
-    # coefficients of its effects as they are fitted now
-    model = replace(model, base={**coefficients, **(model.base or {})})
-    inputs = model.with_base(model.with_drivers(record.inputs), ["temp_base"])
-    inputs = model.based(inputs, inputs["temp_base"])
-    inputs, tried, failed = ready_effects(model, inputs, seen, candidates)
-    temperature = model.temperature(inputs, coefficients)
-    rows = np.flatnonzero(seen & np.isfinite(temperature))
-    # two tangents that contain a change or an obstacle in part would explain it
-    # between them
-    changes = [effect for effect in model.effects if effect.sensor_fault]
-    obstacles = [*filter(follows_sun_alone, model.effects)]
-    with_obstacles = without(changes, model)
-    plain = without(obstacles, with_obstacles)
-    at = Tangents.from_model(plain, inputs, coefficients, rows)
-    own, explained, before = at.slopes(), temperature, temperature
-    if changes:
-        explained = before = with_obstacles.temperature(inputs, coefficients)
-    if obstacles:
-        there = Tangents.from_model(with_obstacles, inputs, coefficients, rows)
-        own = there.slopes() | own
-        before = plain.temperature(inputs, coefficients)
-    free = [name for name in with_obstacles.free if name not in fixed]
-    base = {name: own[name] for name in free if own[name].any()}
-    measured = record["temp_module"]
-    residuals = (measured - temperature)[rows], (measured - explained)[rows]
-    bias = coefficients["bias"]
-    evidence = evidence_of_model(base, record, rows, residuals, before, bias)
-    evidence = replace(evidence, failed=failed)
-    every = tangents(tried, failed, inputs, at)
-    evidence, scanned = with_tangents(evidence, every, record)
-    evidence = Scans(model, inputs, at, least).added(evidence, scanned, located)
-    return with_secants(evidence, changes, plain, inputs, coefficients, before)
+
+    model: ThermalModel
+    coefficients: dict[str, float]
+    record: Record
+    seen: np.ndarray
+    fixed: Collection[str]
+    least: float
+
+    def evidence(
+        self, candidates: Iterable[Effect], located: Mapping[str, Effect]
+    ) -> Evidence:
+        """
+        Tangents of the model and of candidates, and the residual.
+
+        Candidates are not in the model. ``located`` are effects where scans of other
+        models found them, by name: another effect of this model may explain what they
+        found.
+        """
+        coefficients, record = self.coefficients, self.record
+        # coefficients of its effects as they are fitted now
+        base = {**coefficients, **(self.model.base or {})}
+        model = replace(self.model, base=base)
+        inputs = model.with_base(model.with_drivers(record.inputs), ["temp_base"])
+        inputs = model.based(inputs, inputs["temp_base"])
+        inputs, tried, failed = ready_effects(model, inputs, self.seen, candidates)
+        temperature = model.temperature(inputs, coefficients)
+        rows = np.flatnonzero(self.seen & np.isfinite(temperature))
+        # two tangents that contain a change or an obstacle in part would explain it
+        # between them
+        changes = [effect for effect in model.effects if effect.sensor_fault]
+        obstacles = [*filter(follows_sun_alone, model.effects)]
+        with_obstacles = without(changes, model)
+        plain = without(obstacles, with_obstacles)
+        at = Tangents.from_model(plain, inputs, coefficients, rows)
+        own, explained, before = at.slopes(), temperature, temperature
+        if changes:
+            explained = before = with_obstacles.temperature(inputs, coefficients)
+        if obstacles:
+            there = Tangents.from_model(with_obstacles, inputs, coefficients, rows)
+            own = there.slopes() | own
+            before = plain.temperature(inputs, coefficients)
+        free = [name for name in with_obstacles.free if name not in self.fixed]
+        of_model = {name: own[name] for name in free if own[name].any()}
+        measured = record["temp_module"]
+        residuals = (measured - temperature)[rows], (measured - explained)[rows]
+        bias = coefficients["bias"]
+        evidence = evidence_of_model(of_model, record, rows, residuals, before, bias)
+        evidence = replace(evidence, failed=failed)
+        every = tangents(tried, failed, inputs, at)
+        evidence, scanned = with_tangents(evidence, every, record)
+        scans = Scans(model, inputs, at, self.least)
+        evidence = scans.added(evidence, scanned, located)
+        return with_secants(evidence, changes, plain, inputs, coefficients, before)
+
+    def without_each(
+        self, effects: Iterable[Effect], evidence: Evidence
+    ) -> Iterator[tuple[Effect, Evidence]]:
+        """
+        Those of some effects that tangents contain, each with the evidence without it.
+
+        The candidates are those of the ``evidence`` of the whole model, where that
+        found them, and the effect itself.
+        """
+        found = [*evidence.effects.values()]
+        changing = [effect for effect, _ in evidence.changing]
+        for one in effects:
+            if one.sensor_fault or follows_sun_alone(one):
+                continue
+            candidates = [
+                replace(effect, prepare=None, scan=None, scanned_from=None)
+                for effect in (one, *found)
+            ]
+            model = without([one], self.model)
+            other = replace(self, model=model)
+            yield one, other.evidence([*candidates, *changing], {})
 
 
 def without(effects: Collection[Effect], model: ThermalModel) -> ThermalModel:

@@ -1,6 +1,6 @@
 """The design of a fitted model: its tangents, and those of all effects, per hour."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -22,8 +22,9 @@ def design_of_evidence(
     evidence: Evidence,
     record: Record,
     drivers: Iterable[str],
-    lifted: Sequence[Effect],
     coefficients: Mapping[str, float],
+    lifted: Sequence[Effect] = (),
+    without: Iterable[tuple[Effect, Evidence]] = (),
 ) -> Design:
     """
     The design of the evidence of a fitted model with some coefficients.
@@ -35,74 +36,113 @@ def design_of_evidence(
         Of whose rows the evidence is.
     drivers : iterable of str
         Measured columns beyond the usual ones.
-    lifted : sequence of Effect
-        Effects of the model that the selection may add or not: what they explain is
-        added to the residual.
     coefficients : dict of float
         All of the model's.
+    lifted : sequence of Effect, optional
+        Effects of the model that the selection may add or not: what they explain is
+        added to the residual.
+    without : iterable of (Effect, Evidence), optional
+        Some of these, each with the evidence by the model without it.
 
     Returns
     -------
     Design
     """
     hours = Hours.from_record(record, evidence.rows)
-    first, rows, means = hours.first, hours.count, hours.means
-    sensor_faults = {
-        effect.sensor_fault: column for effect, column in evidence.changing
-    }
-    residual = evidence.residual
-    own: dict[str, tuple[str, ...]] = {}
-    taken: set[str] = set()
-    for effect in lifted:
-        keys = [key for key in effect.rows() if key in evidence.columns]
-        tangents = {name: evidence.columns[name] for name in keys}
-        if effect.sensor_fault in sensor_faults:
-            (name,), weights = effect.rows(), weights_of(effect, evidence.dates)
-            column = evidence.columns[sensor_faults[effect.sensor_fault]]
-            tangents = {name: weights * column}
-        for name, column in tangents.items():
-            size = coefficients[name] - effect.start.get(name, 0.0)
-            residual = residual + size * np.nan_to_num(column)
-        taken |= {*keys}
-        if not effect.sensor_fault and keys:
-            own[effect.name] = tuple(keys)
-    effects = {e.name: e for e in lifted if e.name in own} | evidence.effects
-    own |= evidence.own
-    base = [*(n for n in evidence.base if n not in taken), *evidence.misfits]
-    tested = [name for names in own.values() for name in names]
-    wanted = dict.fromkeys([*base, *tested, *sensor_faults.values()])
-    columns = {n: means(evidence.columns[n]) for n in wanted}
-    usual = np.nan_to_num([columns[n] for n in base])
-    for name in wanted:
-        missing = np.isnan(evidence.columns[name])
-        if missing.any():
-            known = 1.0 - means(missing.astype(float))
-            columns[name] = filled(columns[name], known, usual, rows)
-    cells = np.array([means(residual), *columns.values()]).T
+    rows = hours.count
+    columns = hourly_columns(evidence, hours, coefficients, lifted)
+    cells = np.array([*columns.values()]).T
     scale = np.sqrt(rows @ cells**2 / rows.sum())
     scale[(scale == 0) | (np.arange(len(scale)) == 0)] = 1.0
-    order = {name: i + 1 for i, name in enumerate(wanted)}
+    order = {name: i for i, name in enumerate(columns)}
+    own = {
+        name: independent_columns(cells, rows, [order[key] for key in keys])
+        for name, keys in keys_of(evidence, lifted).items()
+    }
+    added = {}
+    for effect, other in without:
+        if effect.name in own:
+            rest = [one for one in lifted if one is not effect]
+            less = hourly_columns(other, hours, coefficients, rest)
+            more = [column - less.get(name, column) for name, column in columns.items()]
+            added[own[effect.name]] = np.array(more).T / scale
+    effects = {e.name: e for e in lifted if e.name in own} | evidence.effects
     measured = drivers_of(record, evidence.rows, drivers)
     derived = derived_of(record, evidence.rows, effects.values())
     places = hours.means_of_drivers(measured)
-    places |= calendar_of(record.index[evidence.rows][first])
+    places |= calendar_of(record.index[evidence.rows][hours.first])
     return Design(
-        names=("residual", *wanted),
+        names=(*columns,),
         cells=cells / scale,
         scale=scale,
         rows=rows,
-        days=evidence.dates[first],
-        base=tuple(order[name] for name in base),
-        own={
-            n: independent_columns(cells, rows, [order[c] for c in names])
-            for n, names in own.items()
-        },
+        days=evidence.dates[hours.first],
+        base=tuple(order[name] for name in base_of(evidence, lifted)),
+        own=own,
         effects=effects,
-        sensor_faults={n: order[c] for n, c in sensor_faults.items()},
+        sensor_faults={
+            one.sensor_fault: order[column] for one, column in evidence.changing
+        },
         changing=tuple(effect for effect, _ in evidence.changing),
         places=places,
         derived=hours.means_of_drivers(derived),
+        added=added,
     )
+
+
+def keys_of(evidence: Evidence, lifted: Iterable[Effect]) -> dict[str, tuple[str, ...]]:
+    """Names of the tangents of each effect that has no date, lifted or a candidate."""
+    own = {
+        effect.name: tuple(key for key in effect.rows() if key in evidence.columns)
+        for effect in lifted
+        if not effect.sensor_fault
+    }
+    return {name: keys for name, keys in own.items() if keys} | evidence.own
+
+
+def base_of(evidence: Evidence, lifted: Iterable[Effect]) -> list[str]:
+    """Names of the tangents that are given always: no lifted effect has them."""
+    taken = {key for effect in lifted for key in effect.rows()}
+    return [*(n for n in evidence.base if n not in taken), *evidence.misfits]
+
+
+def hourly_columns(
+    evidence: Evidence,
+    hours: Hours,
+    coefficients: Mapping[str, float],
+    lifted: Iterable[Effect],
+) -> dict[str, np.ndarray]:
+    """Hourly means of the residual, with what lifted effects explain, and tangents."""
+    base = base_of(evidence, lifted)
+    faults = {effect.sensor_fault: column for effect, column in evidence.changing}
+    own = [key for keys in keys_of(evidence, lifted).values() for key in keys]
+    wanted = dict.fromkeys([*base, *own, *faults.values()])
+    columns = {name: hours.means(evidence.columns[name]) for name in wanted}
+    usual = np.nan_to_num([columns[name] for name in base])
+    for name in wanted:
+        missing = np.isnan(evidence.columns[name])
+        if missing.any():
+            known = 1.0 - hours.means(missing.astype(float))
+            columns[name] = filled(columns[name], known, usual, hours.count)
+    residual = evidence.residual
+    for effect in lifted:
+        for name, column in tangents_of(effect, evidence):
+            size = coefficients[name] - effect.start.get(name, 0.0)
+            residual = residual + size * np.nan_to_num(column)
+    return {"residual": hours.means(residual), **columns}
+
+
+def tangents_of(effect: Effect, evidence: Evidence) -> Iterator[tuple[str, np.ndarray]]:
+    """Tangents of a lifted effect by name, that of a change with its time profile."""
+    column = evidence.column_of_fault(effect.sensor_fault)
+    if column is not None:
+        (name,) = effect.rows()
+        weights = weights_of(effect, evidence.dates)
+        yield name, weights * evidence.columns[column]
+    else:
+        for name in effect.rows():
+            if name in evidence.columns:
+                yield name, evidence.columns[name]
 
 
 def filled(

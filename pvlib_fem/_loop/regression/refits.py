@@ -18,8 +18,7 @@ from pvlib_fem._fitting.search import (
     natural_coefficients,
 )
 from pvlib_fem._loop.preparation.divided_record import BASES, Case
-from pvlib_fem._loop.regression.evidence import Evidence
-from pvlib_fem._loop.regression.gather import gather_evidence
+from pvlib_fem._loop.regression.gather import Linearisation
 from pvlib_fem._record.inputs import Inputs, Record
 from pvlib_fem._spelling import FIXED, refusal
 from pvlib_fem._statistics.clusters import FOLDS, days_of_folds
@@ -224,32 +223,21 @@ class Fits:
         effects = tuple(tabled[effect.name][1] for effect in model.effects)
         return larger, replace(model, effects=effects)
 
-    def gathered(
-        self,
-        step: Step,
-        candidates: Sequence[Effect],
-        located: Mapping[str, Effect],
-    ) -> Evidence:
-        """
-        Evidence of some effects given a step, on the coarse fitting rows.
-
-        ``located`` are effects where scans of other steps found them.
-        """
+    def linearisation(self, step: Step, candidates: Sequence[Effect]) -> Linearisation:
+        """A step on the coarse fitting rows, with the drivers of some candidates."""
         case = self.case
         self.prepared(case.record, step.model)
         base, record, tabled = self.ready["coarse"]
         # the next round needs these, too
         record = replace(record, inputs=with_measured(record.inputs, candidates))
         self.ready["coarse"] = base, record, tabled
-        return gather_evidence(
+        return Linearisation(
             step.model,
             step.coefficients,
             record,
             case.searched & record.complete_rows(step.model.drivers),
-            candidates,
             step.at_bound,
             case.criteria.min_hint_reduction,
-            located,
         )
 
     def forget_coarse(self) -> None:

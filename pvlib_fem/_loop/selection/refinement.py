@@ -43,8 +43,9 @@ def refined(selection: Selection, choices: list[Choice]) -> list[Choice]:
 
 def remaining(selection: Selection, choices: Sequence[Choice]) -> float:
     """Mean square on weeks left out in turn, given some choices. [K²]"""
-    weekly = selection.design.by_week(selection.given(choices))
-    return held_out(weekly, selection.design.folds) / selection.design.count
+    given = selection.given(choices)
+    design = selection.design.at(given)
+    return held_out(design.by_week(given), design.folds) / design.count
 
 
 def alternatives(

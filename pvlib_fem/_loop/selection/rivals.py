@@ -73,7 +73,8 @@ def weighed(
     members = {one.name: searched.get(one.name, one) for one in alike}
     parts = {name: selection.score(one, given) for name, one in members.items()}
     sure = min(choice.score.z_score, 1.0 / PROFILE_ERROR)
-    weights = posterior(selection.design, selection.criteria, members, given, top, sure)
+    design = selection.design.at(given)
+    weights = posterior(design, selection.criteria, members, given, top, sure)
     choice = replace(
         choice, members=members, scores=parts, weights=weights, taken=taken
     )
@@ -119,7 +120,7 @@ def confounded(
     Any module may have these, also where they are not material: heat of the ground
     and light from it differ before and after a date, as they do with the season.
     """
-    design = selection.design
+    design = selection.design.at(given)
     found = {}
     for name, one in choice.members.items():
         if one.effect.sensor_fault:

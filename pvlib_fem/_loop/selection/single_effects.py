@@ -1,6 +1,6 @@
 """Selection of candidates by the remaining error: which single effects there are."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -47,6 +47,7 @@ def selected(
     begin: Sequence[Choice],
     shown: Mapping[str, ShownChange],
     likelihoods: Likelihoods,
+    error: float | None = None,
 ) -> tuple["Selection", list[Choice]]:
     """
     A selection and its choices, given the noise that remains.
@@ -63,16 +64,19 @@ def selected(
         Changes that a second sensor or power shows, by name.
     likelihoods : callable
         Log-likelihoods by references of several changes and their sizes.
+    error : float, optional
+        Mean square error of the model without effects, if the design is of a model with
+        some. [K²]
 
     Returns
     -------
     Selection, list of Choice
         Before other choices are tried by :func:`.refined`.
     """
-    selection = Selection(design, criteria, closed, (), shown, likelihoods)
+    selection = Selection(design, criteria, closed, (), shown, likelihoods, error)
     choices = selection.run(placed_choices(design, begin, closed))
     given = selection.given(choices)
-    if noise := random_effects(design, given, selection.least):
+    if noise := random_effects(design.at(given), given, selection.least):
         selection = replace(selection, noise=noise, scores={})
         choices = selection.run(choices)
     return selection, choices
@@ -104,6 +108,8 @@ class Selection:
     #: changes that a second sensor or power shows, by name
     shown: Mapping[str, ShownChange] = field(default_factory=dict)
     likelihoods: Likelihoods | None = None
+    #: mean square error without effects, if the design is of a model with some [K²]
+    error: float | None = None
     #: candidates given some columns, and what each explains
     known: dict[frozenset[Column], list[Candidate]] = field(default_factory=dict)
     scores: dict[tuple, Score] = field(default_factory=dict)
@@ -113,11 +119,15 @@ class Selection:
     explained: dict[tuple[Column, ...], dict[Changed, float]] = field(
         default_factory=dict
     )
+    #: what :meth:`seen` has made
+    whitened: dict[Design, Design] = field(default_factory=dict, init=False)
 
-    @cached_property
-    def seen(self) -> Design:
-        """The design as generalised least squares sees it."""
-        return self.design.whitened(self.noise)
+    def seen(self, given: Collection[Column]) -> Design:
+        """The design given some columns as generalised least squares sees it."""
+        design = self.design.at(given)
+        if design not in self.whitened:
+            self.whitened[design] = design.whitened(self.noise)
+        return self.whitened[design]
 
     def run(self, choices: Sequence[Choice] = (), without: str = "") -> list[Choice]:
         """All choices, the largest first, beginning with some; one profile left out."""
@@ -191,7 +201,9 @@ class Selection:
 
     def scan(self, given: Sequence[Column]) -> Scan:
         """The search for dates given some columns."""
-        return Scan.from_design(self.design, given, self.criteria.min_days_each_side)
+        return Scan.from_design(
+            self.design.at(given), given, self.criteria.min_days_each_side
+        )
 
     def given(self, choices: Iterable[Choice]) -> list[Column]:
         """Columns of the base and of some choices."""
@@ -207,7 +219,7 @@ class Selection:
         key = frozenset(given)
         if key not in self.known:
             limits = self.criteria.min_days_each_side, self.criteria.prior_odds
-            found = all_candidates(self.design, given, *limits)
+            found = all_candidates(self.design.at(given), given, *limits)
             self.known[key] = self.with_shown([*found], given)
         closed = {*taken, *self.closed}
         others = [one for one in self.known[key] if one.name not in closed]
@@ -316,12 +328,10 @@ class Selection:
     @cached_property
     def least(self) -> float:
         """Fall of the mean square that is material. [K²]"""
-        mean = held_out(self.design.by_week(self.design.base), self.design.folds)
-        limits = self.criteria
-        return max(
-            limits.min_rmse_reduction**2,
-            limits.min_error_share * mean / self.design.count,
-        )
+        error, limits = self.error, self.criteria
+        if error is None:
+            error = self.design.at(self.design.base).base_error
+        return max(limits.min_rmse_reduction**2, limits.min_error_share * error)
 
     def holds(self, score: Score) -> bool:
         """Whether it is possible, there and material."""
@@ -336,7 +346,8 @@ class Selection:
         self, candidates: Sequence[Candidate], given: Sequence[Column]
     ) -> np.ndarray:
         """Fall of the mean square on the fitted weeks, by each candidate. [K²]"""
-        design, size, falls = self.design, len(given), np.zeros(len(candidates))
+        design, size = self.design.at(given), len(given)
+        falls = np.zeros(len(candidates))
         plain = [i for i, one in enumerate(candidates) if not one.effect.sensor_fault]
         places = dict.fromkeys(c for i in plain for c in candidates[i].columns)
         order = {c: i + 1 for i, c in enumerate(c for c in places if c not in given)}
@@ -359,7 +370,7 @@ class Selection:
     def alike(self, one: Candidate, other: Candidate, given: Sequence[Column]) -> float:
         """Share of what a candidate explains that another explains as well."""
         own, rival = one.beyond(given), other.beyond(given)
-        whole = self.design.whole([*given, *own, *rival])
+        whole = self.design.at(given).whole([*given, *own, *rival])
         return float(common_share(whole, len(own), len(rival)))
 
     def score(self, one: Candidate, given: Sequence[Column]) -> Score:
@@ -367,7 +378,8 @@ class Selection:
         key = one.columns, frozenset(given)
         if key in self.scores:
             return self.scores[key]
-        design, own = self.design.fit_for([one.effect]), one.beyond(given)
+        design = self.design.at(given).fit_for([one.effect])
+        own = one.beyond(given)
         weekly = design.by_week([*given, *own])
         size = len(own)
         plain, scale = LeastSquares(weekly, size), design.scales(own)
@@ -376,14 +388,14 @@ class Selection:
         # sizes are those of the refit; whether there is one, of whitened columns
         whitened = plain
         if self.noise:
-            whole = self.seen.fit_for([one.effect])
+            whole = self.seen(given).fit_for([one.effect])
             whitened = LeastSquares(whole.by_week([*given, *own]), size)
         if one.effect.sensor_fault:
             # other dates are no placebo of a date: whatever is slow has some
             null, freedom = whitened.by_all_weeks()
             part, more = self.given_laws(one.change, given, float(null[0, 0]))
         else:
-            null, freedom = self.seen.placebo(given, own, whitened)
+            null, freedom = self.seen(given).placebo(given, own, whitened)
             part, more = 1.0, 1.0
         rows = one.rows(design)
         null = more * null / unit + self.by_own_law(one.effect)
@@ -422,7 +434,8 @@ class Selection:
         looks much like some window of the sky. ``weekly`` has the products of the
         given columns and its own.
         """
-        design, own = self.design.fit_for([one.effect]), one.beyond(given)
+        design = self.design.at(given).fit_for([one.effect])
+        own = one.beyond(given)
         if follows_sun_alone(one.effect):
             shapes = design.confounders_beyond(given)
             weekly = design.by_week([*given, *shapes, *own])
@@ -448,7 +461,7 @@ class Selection:
         }
         if not laws:
             return 1.0, 1.0
-        whole = self.design.whole([*given, *laws, change])
+        whole = self.design.at(given).whole([*given, *laws, change])
         beyond = given_first(whole, len(given))
         law, own = beyond[1:-1, 1:-1], beyond[1:-1, -1]
         noise *= beyond[-1, -1]
@@ -480,7 +493,7 @@ class Selection:
         if key not in self.explained:
             changes = [one for one in given if isinstance(one, Changed)]
             if changes:
-                whole = self.design.whole(given)
+                whole = self.design.at(given).whole(given)
                 inverse = np.linalg.inv(with_ridge(whole[1:, 1:]))
                 falls = (inverse @ whole[1:, 0]) ** 2 / np.diag(inverse)
             self.explained[key] = {c: float(falls[given.index(c)]) for c in changes}
@@ -516,7 +529,8 @@ class Selection:
         if not effects:
             return {}
         others = [one for one in columns if one not in effects]
-        fit = LeastSquares(self.design.by_week([*others, *effects]), len(effects))
+        weekly = self.design.at(columns).by_week([*others, *effects])
+        fit = LeastSquares(weekly, len(effects))
         scale = self.design.scales([*effects])
         sizes = fit.estimate / scale
         errors = np.sqrt(np.diag(fit.covariance)) / scale
