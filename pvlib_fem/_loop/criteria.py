@@ -94,7 +94,7 @@ class Criteria:
     test_every: int = 5
 
     min_rmse_reduction: float = 0.15
-    min_error_share: float = 0.015
+    min_error_share: float = 0.0125
     min_hint_reduction: float = 0.10
 
     min_probability: float = 0.95
