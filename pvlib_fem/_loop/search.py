@@ -25,7 +25,7 @@ from pvlib_fem._loop.references.shown_changes import with_best_odds, with_own
 from pvlib_fem._loop.regression.correct_clock import module_clock
 from pvlib_fem._loop.regression.design import Changed
 from pvlib_fem._loop.regression.evidence import Evidence
-from pvlib_fem._loop.regression.hourly_tangents import design_of_evidence
+from pvlib_fem._loop.regression.hourly_tangents import design_of_evidence, with_added
 from pvlib_fem._loop.regression.refits import Fits, Step
 from pvlib_fem._loop.results.conclude import check_of_bounds, finding_of, if_material
 from pvlib_fem._loop.results.parquet_loop import OwnSteps
@@ -198,17 +198,14 @@ class Search:
         self.located |= evidence.effects
         lifted = [e for e in step.model.effects if e.name not in self.usual]
         design = design_of_evidence(
-            evidence,
-            at.record,
-            case.drivers,
-            step.coefficients,
-            lifted,
-            at.without_each(lifted, evidence),
+            evidence, at.record, case.drivers, step.coefficients, lifted
         )
         if self.error is None:  # the first model is that without effects
             self.error = design.base_error
         # the design has the hourly means of its columns, which are large
         evidence = replace(evidence, columns={})
+        each = at.without_each(lifted, evidence)
+        design = with_added(design, at.record, step.coefficients, lifted, each)
         closed = self.closed
         names = [e.name for e in case.wanted if is_before_the_sun(e)]
         names = [name for name in names if name in design.own]

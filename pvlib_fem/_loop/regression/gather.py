@@ -104,13 +104,15 @@ class Linearisation:
         self, effects: Iterable[Effect], evidence: Evidence
     ) -> Iterator[tuple[Effect, Evidence]]:
         """
-        Those of some effects that tangents contain, each with the evidence without it.
+        Each of some effects with the evidence by the model without it.
 
-        The candidates are those of the ``evidence`` of the whole model, where that
-        found them, and the effect itself.
+        Effects that no tangent contains are skipped. The candidates are the effect
+        itself and all of the ``evidence`` by the whole model, where that found them.
         """
         found = [*evidence.effects.values()]
         changing = [effect for effect, _ in evidence.changing]
+        seen = np.zeros_like(self.seen)
+        seen[evidence.rows] = True
         for one in effects:
             if one.sensor_fault or follows_sun_alone(one):
                 continue
@@ -118,8 +120,7 @@ class Linearisation:
                 replace(effect, prepare=None, scan=None, scanned_from=None)
                 for effect in (one, *found)
             ]
-            model = without([one], self.model)
-            other = replace(self, model=model)
+            other = replace(self, model=without([one], self.model), seen=seen)
             yield one, other.evidence([*candidates, *changing], {})
 
 

@@ -1,6 +1,7 @@
 """The design of a fitted model: its tangents, and those of all effects, per hour."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -24,7 +25,6 @@ def design_of_evidence(
     drivers: Iterable[str],
     coefficients: Mapping[str, float],
     lifted: Sequence[Effect] = (),
-    without: Iterable[tuple[Effect, Evidence]] = (),
 ) -> Design:
     """
     The design of the evidence of a fitted model with some coefficients.
@@ -41,8 +41,6 @@ def design_of_evidence(
     lifted : sequence of Effect, optional
         Effects of the model that the selection may add or not: what they explain is
         added to the residual.
-    without : iterable of (Effect, Evidence), optional
-        Some of these, each with the evidence by the model without it.
 
     Returns
     -------
@@ -59,13 +57,6 @@ def design_of_evidence(
         name: independent_columns(cells, rows, [order[key] for key in keys])
         for name, keys in keys_of(evidence, lifted).items()
     }
-    added = {}
-    for effect, other in without:
-        if effect.name in own:
-            rest = [one for one in lifted if one is not effect]
-            less = hourly_columns(other, hours, coefficients, rest)
-            more = [column - less.get(name, column) for name, column in columns.items()]
-            added[own[effect.name]] = np.array(more).T / scale
     effects = {e.name: e for e in lifted if e.name in own} | evidence.effects
     measured = drivers_of(record, evidence.rows, drivers)
     derived = derived_of(record, evidence.rows, effects.values())
@@ -86,8 +77,36 @@ def design_of_evidence(
         changing=tuple(effect for effect, _ in evidence.changing),
         places=places,
         derived=hours.means_of_drivers(derived),
-        added=added,
     )
+
+
+def with_added(
+    design: Design,
+    record: Record,
+    coefficients: Mapping[str, float],
+    lifted: Sequence[Effect],
+    without: Iterable[tuple[Effect, Evidence]],
+) -> Design:
+    """
+    The design with what some lifted effects add to its columns.
+
+    ``without`` has the evidence by the model without each. The others are as of
+    :func:`design_of_evidence`.
+    """
+    added = {}
+    for effect, evidence in without:
+        if effect.name not in design.own:
+            continue
+        rest = [one for one in lifted if one is not effect]
+        hours = Hours.from_record(record, evidence.rows)
+        columns = hourly_columns(evidence, hours, coefficients, rest)
+        more = np.zeros_like(design.cells)
+        for place, name in enumerate(design.names):
+            if name in columns:
+                less = columns[name] / design.scale[place]
+                more[:, place] = design.cells[:, place] - less
+        added[design.own[effect.name]] = more
+    return replace(design, added=added)
 
 
 def keys_of(evidence: Evidence, lifted: Iterable[Effect]) -> dict[str, tuple[str, ...]]:
