@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pvlib_fem._loop.results.loop_result import Loop
 
 LINES, WIDTH = 25, 100
-MOST_EFFECTS = 3
+MOST_EFFECTS = 4
 FIRST = 3  # statements for which there is always room: longer ones are cut
 MORE = "loop.report() (--details) has every check, hint and note."
 

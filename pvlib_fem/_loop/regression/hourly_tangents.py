@@ -90,8 +90,21 @@ def with_added(
     """
     The design with what some lifted effects add to its columns.
 
-    ``without`` has the evidence by the model without each. The others are as of
-    :func:`design_of_evidence`.
+    Parameters
+    ----------
+    design : Design
+    record : Record
+        Of whose rows the evidence is.
+    coefficients : dict of float
+        All of the model's.
+    lifted : sequence of Effect
+        Effects of the model that the selection may add or not.
+    without : iterable of (Effect, Evidence)
+        Some of these, each with the evidence by the model without it.
+
+    Returns
+    -------
+    Design
     """
     added = {}
     for effect, evidence in without:
