@@ -68,6 +68,11 @@ class Terms:
         return [(getattr(self, name), getattr(other, name)) for name in names]
 
     @property
+    def follows_temperature(self) -> bool:
+        """Whether the module temperature scales any of them: not heat and offset."""
+        return any(map(is_there, (self.loss, self.capacity, self.gain)))
+
+    @property
     def rows(self) -> int:
         """Number of rows; 0 if all columns are numbers."""
         columns = (getattr(self, column.name) for column in fields(Terms))

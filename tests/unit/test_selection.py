@@ -1163,6 +1163,35 @@ def test_an_obstacle_is_worth_as_much_once_it_is_in_the_model(monkeypatch):
     assert gains[1] == pytest.approx(gains[0], rel=0.1)
 
 
+def test_heat_alters_no_tangent_of_heat_alone(monkeypatch):
+    """It alters those of losses, which grow with the temperature of the module."""
+    heats, losses, every = [], [], Search.round
+
+    def noted(search, step, begin):
+        effects = step.model.effects
+        wanted = [e for e in search.case.wanted if not e.scan and e not in effects]
+        at = search.fits.linearisation(step, wanted)
+        whole = at.evidence(wanted, {})
+        for one in effects:
+            if one.name not in whole.heat_alone or one.name in search.usual:
+                continue
+            rest = tuple(effect for effect in effects if effect is not one)
+            less = replace(at, model=replace(at.model, effects=rest))
+            less = less.evidence(wanted, {})
+            for name in {*whole.columns} & {*less.columns}:
+                kind = heats if name in less.heat_alone else losses
+                change = np.abs(whole.columns[name] - less.columns[name])
+                size = np.nanmax(np.abs(whole.columns[name]))
+                kind.append(np.nanmax(change) / max(size, 1e-9))
+        return every(search, step, begin)
+
+    monkeypatch.setattr(Search, "round", noted)
+    effects = simulator.PHYSICS | {"sky_radiation": 1.0, "wind_direction": 1.0}
+    close_loop(simulator.record(effects=effects, days=100, step=1800, seed=2))
+    assert len(heats) > 5 and max(heats) < 1e-9
+    assert len(losses) > 5 and max(losses) > 0.1
+
+
 @given(st.integers(0, 2**32 - 1))
 def test_columns_are_those_of_the_model_with_what_is_given(seed):
     """What the other effects of the model add is in none of them."""

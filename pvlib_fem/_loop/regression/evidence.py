@@ -36,6 +36,9 @@ class Evidence:
     known: dict[str, int] = field(default_factory=dict)
     #: changes whose dates are to be found, each with the column that it scales
     changing: tuple[tuple[Effect, str], ...] = ()
+    #: effects, of the model too, and columns of changes that are heat or offset alone,
+    #: by measured drivers: none of them alters the tangents of others
+    heat_alone: frozenset[str] = frozenset()
 
     def with_effect(
         self, effect: Effect, columns: dict[str, np.ndarray], known: np.ndarray

@@ -93,7 +93,12 @@ class Linearisation:
         residuals = (measured - temperature)[rows], (measured - explained)[rows]
         bias = coefficients["bias"]
         evidence = evidence_of_model(of_model, record, rows, residuals, before, bias)
-        evidence = replace(evidence, failed=failed)
+        heat_alone = frozenset(
+            effect.name
+            for effect in model.effects
+            if not effect.at(inputs.columns, coefficients).follows_temperature
+        )
+        evidence = replace(evidence, failed=failed, heat_alone=heat_alone)
         every = tangents(tried, failed, inputs, at)
         evidence, scanned = with_tangents(evidence, every, record)
         scans = Scans(model, inputs, at, self.least)
@@ -107,15 +112,22 @@ class Linearisation:
         Each of some effects with the evidence by the model without it.
 
         Effects that no tangent contains are skipped. The candidates are the effect
-        itself and all of the ``evidence`` by the whole model, where that found them.
+        itself and all of the ``evidence`` by the whole model, where that found them,
+        but for tangents that stay the same.
         """
-        found = [*evidence.effects.values()]
-        changing = [effect for effect, _ in evidence.changing]
+        there = {effect.sensor_fault for effect in self.model.effects}
         seen = np.zeros_like(self.seen)
         seen[evidence.rows] = True
         for one in effects:
             if one.sensor_fault or follows_sun_alone(one):
                 continue
+            same = evidence.heat_alone if one.name in evidence.heat_alone else ()
+            found = [e for name, e in evidence.effects.items() if name not in same]
+            changing = [
+                effect
+                for effect, column in evidence.changing
+                if column not in same or effect.sensor_fault in there
+            ]
             candidates = [
                 replace(effect, prepare=None, scan=None, scanned_from=None)
                 for effect in (one, *found)
@@ -173,6 +185,9 @@ def with_tangents(
             evidence = evidence.with_changes_along(one.time_profiles, own, known)
         else:
             evidence = evidence.with_effect(one.wide, own, known)
+        if one.heat_alone:
+            names = one.wide.name, *one.wide.rows()
+            evidence = replace(evidence, heat_alone=evidence.heat_alone.union(names))
     return evidence, scanned
 
 

@@ -11,7 +11,7 @@ from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem._record.inputs import Inputs
 from pvlib_fem._relaxation import FADED
 from pvlib_fem._thermal.model import ThermalModel
-from pvlib_fem.drivers import derive_drivers
+from pvlib_fem.drivers import derive_drivers, is_modelled
 from pvlib_fem.effects._effect import Effect, Terms, linearised
 from pvlib_fem.reasons import Because, Reason, because
 
@@ -25,6 +25,7 @@ class Tried:
     wide: Effect
     scan: Callable | None = None  # that takes the effect from the wide one
     time_profiles: tuple[Effect, ...] = ()  # whose dates are to be found
+    heat_alone: bool = False  # or an offset, by measured drivers alone
 
     @property
     def names(self) -> list[str]:
@@ -171,7 +172,11 @@ def tangents(
                 failed |= dict.fromkeys(one.names, reason_of_error(error))
         slopes = at.slopes(terms)
         for one in there:
-            yield one, {key: slopes.pop(key) for key in one.wide.rows()}
+            keys = [*one.wide.rows()]
+            own = {key: slopes.pop(key) for key in keys}
+            scaled = any(terms[key].follows_temperature for key in keys)
+            heat = not scaled and not is_modelled(one.wide.drivers)
+            yield replace(one, heat_alone=heat), own
 
 
 def gapless_terms(terms: Terms) -> Terms:
