@@ -129,8 +129,7 @@ class Linearisation:
                 if column not in same or effect.sensor_fault in there
             ]
             candidates = [
-                replace(effect, prepare=None, scan=None, scanned_from=None)
-                for effect in (one, *found)
+                replace(effect.unscanned, prepare=None) for effect in (one, *found)
             ]
             other = replace(self, model=without([one], self.model), seen=seen)
             yield one, other.evidence([*candidates, *changing], {})
