@@ -1335,6 +1335,40 @@ def test_a_change_within_the_error_of_the_heat_capacity_is_no_cause(
         assert best.score.estimate[0] == pytest.approx(change, abs=0.02)
 
 
+def test_a_trend_of_the_heat_capacity_is_weighed_by_what_it_has_become():
+    """Of three years at 0.4 per year, in which a tenth per year says nothing."""
+    days, hours = clock(3 * 365)
+    rest = 10.0 * 0.4 * days / YEAR + noise(np.random.default_rng(5), len(days))
+    trend = [CHANGES["time_constant_drift"]]
+    made = design(rest, {"one": np.ones(len(days))}, days, hours, trend)
+    made.scale[-1] = 10.0  # K, that a change of 100 % makes
+    best = Selection(made, CRITERIA).best([])
+    assert best.top.name == "time_constant_drift"
+    assert best.score.estimate[0] == pytest.approx(0.4, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("change", "there"), [(0.3, set()), (1.0, {"time_constant_step"})]
+)
+def test_two_faults_on_one_date_are_no_change_of_the_heat_capacity(change, there):
+    """
+    Less loss and less gain cancel by day and leave a module that is slower.
+
+    Within the error of the heat capacity that is no cause, however sure it is.
+    """
+    days, hours = clock(365)
+    slow, random = np.sin(2.0 * np.pi * hours / 24.0), np.random.default_rng(3)
+    rest = 4.0 * change * slow * (days >= 150) + 0.3 * noise(random, len(days))
+    columns = {"one": np.ones(len(days)), "other": 2.0 * slow - 1.0, "slow": slow}
+    steps = "module_offset_step", "module_sensor_contact_step", "time_constant_step"
+    changing = [CHANGES[name] for name in steps]
+    made = design(rest, columns, days, hours, changing)
+    faults = (effect.sensor_fault for effect in changing)
+    made = replace(made, sensor_faults=dict(zip(faults, (1, 2, 3))))
+    made.scale[3] *= 4.0  # K, that a change of 100 % makes
+    assert {one.top.name for one in Selection(made, CRITERIA).run()} == there
+
+
 def probabilities_of(residual, effect, air):
     """Probabilities of the best candidate for a residual of a year, as by dates."""
     days, hours = clock(365)

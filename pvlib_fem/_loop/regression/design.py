@@ -262,6 +262,11 @@ class Design:
         """Weight of each day of a change."""
         return weights_of(change.effect, self.dates)
 
+    def strength(self, change: Changed) -> float:
+        """Mean square of its weights on the days on which a change acts."""
+        weights = self.weights(change)
+        return float(np.mean(weights[weights > 0.0] ** 2))
+
     def parts(self, change: Changed) -> tuple[np.ndarray, np.ndarray]:
         """
         Weights of a change, shape (days,), and its weekly products with every column.

@@ -398,7 +398,7 @@ class Selection:
             null, freedom = self.seen(given).placebo(given, own, whitened)
             part, more = 1.0, 1.0
         rows = one.rows(design)
-        null = more * null / unit + self.by_own_law(one.effect)
+        null = more * null / unit
         seen = part * whitened.estimate / scale
         fits = within_bounds(rows.values(), estimate, np.sqrt(np.diag(covariance)))
         gain, acting = self.gain(one, given, weekly), self.acting(one)
@@ -447,40 +447,42 @@ class Selection:
         self, change: Changed, given: Sequence[Column], noise: float
     ) -> tuple[float, float]:
         """
-        Factors of the estimate of a change and its variance by the laws of others.
+        Factors of the estimate of a change and its variance by the errors of laws.
 
         The law of a fault has a relative error. The error that remains has the dates of
         the fault and may look like another one: it is a random effect along the column
-        of the change on those dates. ``noise`` is the variance of the estimate without
-        it.
+        of the change on those dates. The law of the module has one, too: one heat
+        capacity stands for glass, frame and whatever warms behind the module, of which
+        weather and season show other parts. Part of that looks like a change of the
+        heat capacity from a date on, and two faults on one date may add up to one.
+        ``noise`` is the variance of the estimate without these.
         """
+        design = self.design.at(given)
         laws = {
-            Changed.from_effect(change.place, one.effect): self.law_variance * square
+            Changed.from_effect(change.place, one.effect): square
             for one, square in self.squares(given).items()
             if one.place != change.place and square > 0.0
         }
-        if not laws:
+        slow = dict.fromkeys(
+            Changed.from_effect(design.sensor_faults[name], change.effect)
+            for name in INERTIA
+            if name in design.sensor_faults
+        )
+        if not laws and not slow:
             return 1.0, 1.0
-        whole = self.design.at(given).whole([*given, *laws, change])
+        whole = design.whole([*given, *laws, *slow, change])
         beyond = given_first(whole, len(given))
         law, own = beyond[1:-1, 1:-1], beyond[1:-1, -1]
-        noise *= beyond[-1, -1]
-        prior = noise * np.diag(law) / np.fromiter(laws.values(), float)
+        # variances of the sizes of these random effects
+        sizes = np.fromiter(laws.values(), float) / np.diag(law)[: len(laws)]
+        capacities = [design.scale[c.place] ** 2 / design.strength(c) for c in slow]
+        variances = self.law_variance * np.append(sizes, capacities)
+        prior = noise * beyond[-1, -1] / variances
         share = np.linalg.solve(law + np.diag(prior), own)
         square = beyond[-1, -1] - share @ own
         score, more = beyond[0, 1:-1] @ share, beyond[-1, -1] / square
         part = 1.0 - score / beyond[0, -1] if beyond[0, -1] else 1.0
         return float(more * part), float(more)
-
-    def by_own_law(self, effect: Effect) -> float:
-        """
-        Variance of the size of a change by the error of the module's own law.
-
-        One heat capacity stands for glass, frame and whatever warms behind the module,
-        of which weather and season show other parts. So it has a relative error, too,
-        and part of that looks like a change from a date on.
-        """
-        return self.law_variance if effect.sensor_fault in INERTIA else 0.0
 
     @property
     def law_variance(self) -> float:
