@@ -352,6 +352,29 @@ def scaled_terms(effect: Effect) -> ScaledTerms:
     return cast(ScaledTerms, effect.terms)
 
 
+def rows_reaching(effect: Effect, most: float) -> dict[str, Parameter]:
+    """
+    Rows of a change whose largest weight in a record is so much.
+
+    Parameters
+    ----------
+    effect : Effect
+        Its ``sensor_fault`` is not "".
+    most : float
+        Largest weight. [-], of a trend [years]
+
+    Returns
+    -------
+    dict of Parameter
+        Of its coefficient: what it becomes has the bounds of the fault.
+    """
+    scaled, ((name, row),) = scaled_terms(effect), effect.rows().items()
+    (own,) = scaled.sensor_fault.parameters.values()
+    share = scaled.time_profile.share_of_bounds(scaled.dates)
+    times = min(share, 1.0 / most) if most > 0.0 else share
+    return {name: replace(row, lower=own.lower * times, upper=own.upper * times)}
+
+
 def weights_of(effect: Effect, days: np.ndarray) -> np.ndarray:
     """
     Weight of each day in the time profile of a dated effect.

@@ -1347,6 +1347,21 @@ def test_a_trend_of_the_heat_capacity_is_weighed_by_what_it_has_become():
     assert best.score.estimate[0] == pytest.approx(0.4, abs=0.02)
 
 
+@pytest.mark.parametrize(("years", "least"), [(1, -0.3), (2, -0.3), (8, -0.6 / 8)])
+def test_a_trend_becomes_no_more_than_its_fault_can_be(years, least):
+    """A module that loses 7.5 % less heat each year loses 60 % less after eight."""
+    days, hours = clock(round(years * YEAR))
+    trend = CHANGES["mounting_drift"].make(since="2023-01-01")
+    made = design(np.zeros(len(days)), {"one": np.ones(len(days))}, days, hours)
+    candidate = Candidate(trend, made.columns_of(trend), 0.0)
+    (row,) = candidate.rows(made).values()
+    assert row.lower == pytest.approx(least, rel=2e-3)
+    assert row.upper == pytest.approx(-2.5 * least, rel=2e-3)
+    step = CHANGES["mounting_step"].make(at="2023-02-01")
+    candidate = Candidate(step, made.columns_of(step), 0.0)
+    assert candidate.rows(made) == step.rows()
+
+
 @pytest.mark.parametrize(
     ("change", "there"), [(0.3, set()), (1.0, {"time_constant_step"})]
 )

@@ -11,7 +11,7 @@ from scipy.special import gammaln
 from pvlib_fem._loop.regression.design import Changed, Column, Design
 from pvlib_fem._loop.selection.change_dates import DATES, Scan, signs_of
 from pvlib_fem.effects._effect import Effect, Parameter
-from pvlib_fem.effects._time_profiles import time_profile_of
+from pvlib_fem.effects._time_profiles import rows_reaching, time_profile_of
 
 PART = *DATES, "resets"  # of a trend that is not of the whole record
 OF_A_PART = "drift of a part"  # time profile of such a trend
@@ -62,10 +62,15 @@ class Candidate:
         return [column for column in self.columns if column not in given]
 
     def rows(self, design: Design) -> dict[str, Parameter]:
-        """Rows of its coefficients by name, one for each column."""
-        rows = self.effect.rows()
+        """
+        Rows of its coefficients by name, one for each column.
+
+        Bounds of a trend are those of its fault for what it becomes in all its years.
+        """
         if self.effect.sensor_fault:
-            return rows
+            most = float(design.weights(self.change).max(initial=0.0))
+            return rows_reaching(self.effect, most)
+        rows = self.effect.rows()
         names = [design.names[one] for one in self.columns if isinstance(one, int)]
         return {name: rows[name] for name in names}
 
