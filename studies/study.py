@@ -460,8 +460,8 @@ def beyond(table):
         f"{share(null, 'ambiguous')}; "
         f"of the physics alone in {share(physics, 'unexplained')} and "
         f"{share(physics, 'ambiguous')}. An ambiguous finding none of whose "
-        "candidates is there, in physics or as a switch, is reported in "
-        f"{misled} records."
+        "candidates is there, in physics or as a switch, and that is no reflection, "
+        f"is reported in {misled} records."
     )
     yield ""
 

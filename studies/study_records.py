@@ -251,6 +251,7 @@ def said(loop, case, world):
     known = set(case.truths)
     if world.generator == "fuentes":  # which has a sky that follows the air
         known |= {"sky_radiation"}
+    there |= known
     wrong = [
         f.effect
         for f in added
@@ -260,7 +261,9 @@ def said(loop, case, world):
     misled = [
         "|".join(f.candidates)
         for f in added
-        if f.verdict == "ambiguous" and not causes(f.candidates, case) & there
+        if f.verdict == "ambiguous"
+        and not causes(f.candidates, case) & there
+        and not ("reflection" in case.sizes and of_unseen_light(f, loop))
     ]
     verdicts = [f.verdict for f in loop.finding_objects]
     first = added[0].effect if added else "nothing"
@@ -301,6 +304,12 @@ def said(loop, case, world):
 def causes(names, case):
     """Names of effects, covers under the names of the truths that they show."""
     return {cause for name in names for cause in case.covers.get(name, [name])}
+
+
+def of_unseen_light(finding, loop):
+    """Whether a statement says that a reflection onto the modules looks the same."""
+    own = (e for e in loop.fit.effects if e.name == finding.effect)
+    return any(effect.unseen_light for effect in own)
 
 
 def sets(loop, covers=None):
