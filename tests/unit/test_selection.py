@@ -992,6 +992,13 @@ def test_a_law_is_taken_by_whichever_of_its_faults_is_reported():
         reported = Choice(member, selection.score(member, [1]))
         assert reported.top.name == name
         assert selection.best([reported]) is None
+        # nor is it another finding at a date that a second sensor shows
+        later = {
+            effect.name: ShownChange(effect.dates(at="2023-07-20"), 3.0)
+            for effect in changing
+        }
+        assert replace(selection, shown=later).best_shown([]) is not None
+        assert replace(selection, shown=later).best_shown([reported]) is None
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 2), st.integers(1, 2))

@@ -316,9 +316,9 @@ class Selection:
 
     def best_shown(self, choices: Sequence[Choice]) -> Choice | None:
         """A change that a reference and the temperature show, or None."""
-        given = self.given(choices)
+        given, closed = self.given(choices), self.closed | self.taken(choices)
         for one in self.shown_candidates():
-            if one.name not in self.closed and one.beyond(given):
+            if one.name not in closed and one.beyond(given):
                 score = self.score(one, given)
                 there = score.probability >= self.criteria.min_probability
                 if score.possible and there and score.fall > 0.0:
