@@ -3,7 +3,7 @@
 import inspect
 import json
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -15,7 +15,7 @@ from pvlib_fem._loop.preparation.divided_record import Case
 from pvlib_fem._loop.results.loop_result import Loop
 from pvlib_fem._stored import as_json
 from pvlib_fem.effects import EFFECTS, find, several
-from pvlib_fem.effects._effect import Effect
+from pvlib_fem.effects._effect import Effect, Parameter
 from pvlib_fem.effects._time_profiles import (
     date_text,
     dates_in_words,
@@ -85,6 +85,8 @@ class Draw:
     number: int
     way: dict = field(default_factory=dict)  # unit vector of the coefficients
     readable: float = np.inf  # largest size with which the instrument still reads
+    #: of its coefficients, by the record: what a trend becomes is bounded, too
+    bounds: Mapping[str, Parameter] = field(default_factory=dict)
 
     def of_size(self, size: float, predicted: float, own: float) -> Injection:
         """The injection of a size."""
@@ -98,7 +100,7 @@ class Draw:
     @property
     def most(self) -> float:
         """The largest size that its bounds and its instrument allow."""
-        rows = self.effect.rows()
+        rows = self.bounds or self.effect.rows()
         ends = {n: rows[n].upper if part > 0 else rows[n].lower for n, part in self}
         return min(self.readable, *(ends[name] / part for name, part in self))
 

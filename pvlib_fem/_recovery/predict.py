@@ -92,7 +92,10 @@ def predictions(
         scores = [selection.score(one.one, one.given) for one in looks]
         errors = [dict.fromkeys(effect.rows(), 0.0) | one.errors for one in scores]
         numbered = [
-            replace(draw, effect=look.one.effect) for draw, look in zip(planned, looks)
+            replace(
+                draw, effect=look.one.effect, bounds=look.one.rows(selection.design)
+            )
+            for draw, look in zip(planned, looks)
         ]
         drawn_sizes = []
         for draw in with_ways(numbered, errors, seed):

@@ -20,7 +20,7 @@ from pvlib_fem._recovery.predict import threshold
 from pvlib_fem._recovery.recover import SIZES, planned_injections
 from pvlib_fem._recovery.recovery_result import Recovery, middle_of
 from pvlib_fem.effects import find
-from pvlib_fem.effects._time_profiles import date_text, weights_of
+from pvlib_fem.effects._time_profiles import date_text, rows_reaching, weights_of
 from pvlib_fem.reasons import Reason, because
 
 USUAL = ["poa_global", "temp_air", "wind_speed", "temp_module"]
@@ -176,6 +176,14 @@ def test_an_instrument_reads_something_at_any_size_that_is_put_in(
     assert readable(effect, {name: 1.0}, days, {"u1": u1}) == np.inf
     draw = Draw(effect, 0, {name: -1.0}, readable=most)
     assert draw.most == min(most, -effect.rows()[name].lower)
+
+
+def test_a_trend_that_is_put_in_becomes_no_more_than_its_fault_can_be():
+    effect = find({"name": "mounting_drift", "since": "2016-01-01"})
+    most = Draw(effect, 0, {"mounting_drift.per_year": -1.0}).most
+    rows = rows_reaching(effect, 8.0)  # years
+    of_record = Draw(effect, 0, {"mounting_drift.per_year": -1.0}, bounds=rows).most
+    assert (most, of_record) == (0.3, 0.6 / 8.0)
 
 
 def test_a_class_that_holds_what_was_put_in_is_of_it(record, done):
