@@ -265,7 +265,7 @@ class Design:
     def strength(self, change: Changed) -> float:
         """Mean square of its weights on the days on which a change acts."""
         weights = self.weights(change)
-        return float(np.mean(weights[weights > 0.0] ** 2))
+        return float(weights @ weights) / max(int(np.count_nonzero(weights)), 1)
 
     def parts(self, change: Changed) -> tuple[np.ndarray, np.ndarray]:
         """

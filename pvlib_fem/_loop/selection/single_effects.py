@@ -463,21 +463,21 @@ class Selection:
             for one, square in self.squares(given).items()
             if one.place != change.place and square > 0.0
         }
-        slow = dict.fromkeys(
+        slow = [
             Changed.from_effect(design.sensor_faults[name], change.effect)
             for name in INERTIA
             if name in design.sensor_faults
-        )
+        ]
         if not laws and not slow:
             return 1.0, 1.0
         whole = design.whole([*given, *laws, *slow, change])
         beyond = given_first(whole, len(given))
         law, own = beyond[1:-1, 1:-1], beyond[1:-1, -1]
-        # variances of the sizes of these random effects
-        sizes = np.fromiter(laws.values(), float) / np.diag(law)[: len(laws)]
-        capacities = [design.scale[c.place] ** 2 / design.strength(c) for c in slow]
-        variances = self.law_variance * np.append(sizes, capacities)
-        prior = noise * beyond[-1, -1] / variances
+        # inverse variances of the sizes of these random effects, relative to the law's
+        sizes = np.diag(law)[: len(laws)] / np.fromiter(laws.values(), float)
+        capacities = [design.strength(c) / design.scale[c.place] ** 2 for c in slow]
+        inverse = np.append(sizes, capacities) / self.law_variance
+        prior = noise * beyond[-1, -1] * inverse
         share = np.linalg.solve(law + np.diag(prior), own)
         square = beyond[-1, -1] - share @ own
         score, more = beyond[0, 1:-1] @ share, beyond[-1, -1] / square
