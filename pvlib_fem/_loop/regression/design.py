@@ -264,7 +264,7 @@ class Design:
 
     def strength(self, change: Changed) -> float:
         """Mean square of its weights on the days on which a change acts."""
-        weights = self.weights(change)
+        weights = self.parts(change)[0]
         return float(weights @ weights) / max(int(np.count_nonzero(weights)), 1)
 
     def parts(self, change: Changed) -> tuple[np.ndarray, np.ndarray]:

@@ -68,7 +68,7 @@ class Candidate:
         Bounds of a trend are those of its fault for what it becomes in all its years.
         """
         if self.effect.sensor_fault:
-            most = float(design.weights(self.change).max(initial=0.0))
+            most = float(design.parts(self.change)[0].max(initial=0.0))
             return rows_reaching(self.effect, most)
         rows = self.effect.rows()
         names = [design.names[one] for one in self.columns if isinstance(one, int)]
