@@ -263,7 +263,7 @@ def said(loop, case, world):
         for f in added
         if f.verdict == "ambiguous"
         and not causes(f.candidates, case) & there
-        and not ("reflection" in case.sizes and of_unseen_light(f, loop))
+        and not ("reflection" in case.sizes and tells_of_reflection(loop, f.effect))
     ]
     verdicts = [f.verdict for f in loop.finding_objects]
     first = added[0].effect if added else "nothing"
@@ -306,10 +306,13 @@ def causes(names, case):
     return {cause for name in names for cause in case.covers.get(name, [name])}
 
 
-def of_unseen_light(finding, loop):
-    """Whether a statement says that a reflection onto the modules looks the same."""
-    own = (e for e in loop.fit.effects if e.name == finding.effect)
-    return any(effect.unseen_light for effect in own)
+def tells_of_reflection(loop, effect=None):
+    """Whether a statement, or that on an effect, has a reflection onto the modules."""
+    return any(
+        REFLECTED.words in one.text
+        for one in loop.statement_objects
+        if effect in (None, one.cause)
+    )
 
 
 def sets(loop, covers=None):
@@ -338,9 +341,7 @@ def first_ok(groups, case):
 def unexplained_ok(loop, case):
     """Whether structure of unknown cause is said to live where it does."""
     hidden = [UNKNOWN[switch] for switch in case.sizes if switch in UNKNOWN]
-    if [*case.sizes] == ["reflection"] and any(
-        REFLECTED.words in text for text in loop.statements["text"]
-    ):
+    if [*case.sizes] == ["reflection"] and tells_of_reflection(loop):
         return True
     drivers = {*underived([n for f in loop.unexplained for n in f.candidates])}
     return bool(hidden) and all(g & drivers for groups in hidden for g in groups)
