@@ -1,6 +1,7 @@
 """What other columns say of an instrument that has changed."""
 
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -727,6 +728,25 @@ def test_dirt_is_compared_by_the_light_that_it_takes_each_day():
     washed = noise + np.log1p(-rate * dirt)
     assert compared("power_ac", washed, module)[0] > 5.0
     assert compared(SKY, washed, module)[0] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_standstill_is_compared_by_the_light_that_it_takes_each_day():
+    """Under clouds modules miss nothing, and their light is estimated badly."""
+    days = np.arange(300)
+    stands = (days >= 120) & (days < 150)
+    clear = stands & (days % 3 == 0)
+    light = np.where(clear, -0.25, 0.0) + 0.05 * (stands & ~clear)
+    apart = noise_of(2, days, 0.01) + np.log1p(np.where(clear, -0.25, 0.0))
+    (power,) = (one for one in COMPARISONS if one.ages)
+    reference = DailyDeviation(power, "power_dc", 19000 + days, apart, lambda _: light)
+    dates = (str(np.datetime64(19000 + day, "D")) for day in (120, 150))
+    stuck = EFFECTS["tracker_stuck"].make(*dates)
+    shown = reference.shown(stuck, [Sized(stuck, 1.0, 0.1)], {})
+    assert shown.size == pytest.approx(shown.expected[stuck.name], rel=0.1)
+    assert -0.2 < shown.size < -0.1 and shown.error < 0.02
+    of_sizes = partial(log_likelihoods_of_sizes, [reference], {})
+    right, half = (of_sizes([[Sized(stuck, n, 0.1)]])[0] for n in (1.0, 0.5))
+    assert right > 5.0 and right > half + 2.0
 
 
 @pytest.mark.parametrize(

@@ -237,6 +237,10 @@ def test_power_agrees_by_the_light_that_the_modules_miss():
     # shade on the modules would show in power, too, and by any size
     assert {*finding.candidates} <= {"tracker_stuck", "modules_covered"}
     assert finding.probabilities["tracker_stuck"] > 0.8
+    # the plant gives what the light on its modules makes
+    begins = loop.events["start"]
+    stuck = begins.between("2023-05-22", "2023-06-26")
+    assert not (stuck & (loop.events["effect"] == "underperformance")).any()
 
 
 def test_a_standstill_counts_by_its_own_days():

@@ -203,6 +203,8 @@ def size_error(effect: Effect) -> float:
 
 #: modules in another plane than the sensor, whose own light is as it should be
 STUCK: dict[str, Shows] = {"tracker_stuck": of_light}
+#: by what the light on the modules differs from what the sensor reads
+OF_MODULES = LIGHT | OWN_LIGHT | STUCK
 WIND: dict[str, Shows] = {"anemometer": of_wind}
 AIR: dict[str, Shows] = {"air_offset": lambda change, _: change}
 SHELTER: dict[str, Shows] = {"air_sensor_shield": lambda change, _: -change}
@@ -217,7 +219,7 @@ COMPARISONS = (
         bright,
         per_irradiance,
         log_ratio,
-        LIGHT | OWN_LIGHT | STUCK,
+        OF_MODULES,
         ages=True,
         most=MOST_LIGHT,
         module=True,

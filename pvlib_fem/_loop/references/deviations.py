@@ -109,10 +109,16 @@ class DailyDeviation:
         return self.given_columns(others) if others else self
 
     def profile(self, effect: Effect) -> np.ndarray:
-        """Its part of each day; of dirt the light that it takes, per unit."""
-        if is_dated(effect):
+        """
+        Its part of each day.
+
+        Of dirt it is the light that it takes, per unit, and of a standstill that light
+        relative to a usual day of it: under clouds the modules miss little.
+        """
+        if effect.sensor_fault:
             return weights_of(effect, self.days)
-        return self.light(effect)
+        light = self.light(effect)
+        return light / usual_light(light) if is_dated(effect) else light
 
     def change(self, effect: Effect, size: float) -> np.ndarray:
         """What an effect of a size changes on each day: a reading, or the light."""
@@ -248,7 +254,7 @@ class DailyDeviation:
         """Twice the log-likelihood by which each change is worse than the best."""
 
         def rest(effect: Effect) -> np.ndarray:
-            weights = weights_of(effect, self.days)
+            weights = self.profile(effect)
             beyond = self.beyond(weights)
             square = beyond @ beyond
             if square <= UNSEEN * (weights @ weights):
@@ -284,10 +290,7 @@ class DailyDeviation:
         weights = self.profile(first)
         if not several or not self.sees(weights):
             return None
-        size, error, residual = self.along(weights)
-        # one that acts on some days is compared with as many others, not with weeks
-        if is_dated(first) and not first.sensor_fault:
-            error = by_accident(weights > 0.0, residual)
+        size, error, _ = self.along(weights)
         expected, slack = {}, {}
         for effect, of_fit, relative in several:
             name = effect.name
@@ -309,7 +312,7 @@ class DailyDeviation:
     ) -> tuple[float, float]:
         """The size of a change by what is shown, relative to the fit, and its error."""
         effect, size, _ = one
-        weights = weights_of(first, self.days)
+        weights = self.profile(first)
         ratio, value = 1.0, shown.expected[effect.name]
         # the logarithm of a ratio is not proportional to it
         for _ in range(MOST_TURNS):
@@ -340,14 +343,10 @@ class DailyDeviation:
         return float(shown @ beyond / (along @ beyond))
 
 
-def by_accident(there: np.ndarray, residual: np.ndarray) -> float:
-    """Root mean square of the mean residual of as many other days in a row."""
-    first, length = int(np.argmax(there)), int(there.sum())
-    sums = np.append(0.0, np.cumsum(residual))
-    means = (sums[length:] - sums[:-length]) / length
-    begins = np.arange(len(means))
-    others = means[(begins + length <= first) | (begins >= first + length)]
-    return float(np.sqrt(np.mean(others**2))) if len(others) else np.inf
+def usual_light(light: np.ndarray) -> float:
+    """Root mean square on the days that have some, with the sign of their sum."""
+    own = light[light != 0.0]
+    return float(np.copysign(np.sqrt(np.mean(own**2)), own.sum())) if len(own) else 1.0
 
 
 def independent_months(values: np.ndarray, months: np.ndarray) -> float:

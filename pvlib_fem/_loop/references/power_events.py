@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._budget.covers_and_outages import Hours, event_table, events_in
+from pvlib_fem._loop.references.comparisons import OF_MODULES, kind
 from pvlib_fem._record.column_names import plant_power
 from pvlib_fem._record.filters import frozen
 from pvlib_fem._record.inputs import Inputs
@@ -25,8 +26,6 @@ KINDS = ("modules_covered", "sensor_covered", "outage")
 EVENTS = (*KINDS, "underperformance")
 #: effects that follow power, and are no part of what events are looked for in
 BY_POWER = (*KINDS, "electrical_output")
-#: sensor faults by which the modules receive more than the sensor reads
-OF_LIGHT = ("irradiance_sensor", "module_irradiance")
 EXTRA = ("temp_air", "wind_speed", "snow_depth")
 
 
@@ -94,7 +93,7 @@ def true_over_read(
     """Irradiance on the modules over what the sensor reads, by the model. [-]"""
     ratio: np.ndarray | float = 1.0
     for effect in model.effects:
-        if effect.loses_light or effect.sensor_fault in OF_LIGHT:
+        if kind(effect) in OF_MODULES:
             ratio = ratio * (1.0 + more_light(effect, inputs, step.coefficients))
     return ratio
 
