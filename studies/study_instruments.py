@@ -126,9 +126,11 @@ def looked(seed):
     other = [
         f.effect for f in added if f.verdict == "identified" and f.effect not in there
     ]
-    misled = ["|".join(f.candidates) for f in reported if not truths & {*f.candidates}]
+    others = [{*f.candidates} for f in reported if not truths & {*f.candidates}]
     row = dict(seed=seed, channel=channel, course=course, size=size, power=power)
-    row |= dict(days=world.days, found=bool(right), wrong=wrong, misled=misled)
+    row |= dict(days=world.days, found=bool(right), wrong=wrong)
+    row["misled"] = ["|".join(sorted(one)) for one in others]
+    row["unfounded"] = ["|".join(sorted(one)) for one in others if not one & PRESENT]
     row["other"] = other
     row["verdict"] = str(right[0].verdict) if right else ""
     row["sets"], row["truths"] = sets(loop), () if channel == "none" else truths
@@ -258,13 +260,17 @@ def page(table, first):
     yield f"| the change is identified, or a candidate | {share(there['found'])} |"
     yield f"| clear changes that are so | {share(seen['found'])} |"
     yield f"| changes that are the first finding | {share(there['first'])} |"
-    wrong, misled = (table[name].map(bool) for name in ("wrong", "misled"))
+    words = "wrong", "misled", "unfounded"
+    wrong, misled, unfounded = (table[name].map(bool) for name in words)
     yield f"| wrong names of a change | {share(wrong)} |"
     other = share(table["other"].map(bool))
     yield f"| names of another effect that is not there | {other} |"
-    yield f"| ambiguous changes without the true cause | {share(misled)} |"
+    yield f"| a set with changes, and not the true one | {share(misled)} |"
+    yield f"| and no other cause that is there | {share(unfounded)} |"
     alarms = share((wrong | misled)[none.index])
-    yield f"| a change reported where there is none | {alarms} |"
+    yield f"| no change, and a set with one | {alarms} |"
+    alarms = share((wrong | unfounded)[none.index])
+    yield f"| and no other cause that is there | {alarms} |"
     inside = share(pd.Series([d[0] for d in dates]))
     yield f"| true date within the interval | {inside} |"
     yield ""
