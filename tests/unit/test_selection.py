@@ -26,6 +26,7 @@ from pvlib_fem._loop.selection.noise import (
     prior_of,
     random_effects,
     remaining_shares,
+    tables_met,
     with_outside,
     with_special_cases,
 )
@@ -571,6 +572,47 @@ def test_a_true_effect_keeps_its_size_within_every_table():
         assert abs(share - 1.0) < 4.0 * error + 0.02
     assert choice.probabilities["rain"] > 0.95
     assert sum(choice.probabilities.values()) == pytest.approx(1.0)
+
+
+def test_forced_convection_by_another_law_is_no_cause_outside():
+    """
+    Of a windy and clear site, where the loss is not proportional to wind speed.
+
+    All of it is a function of wind and irradiance. Within the cells of these, nothing
+    else differs that would tell it from a cause outside.
+    """
+    forms = replace(simulator.RHINE.forms, natural="mcadams", forced="sparrow")
+    site = replace(simulator.RHINE, wind_mean=3.5, clear_share=0.7, forms=forms)
+    data = simulator.record(site, simulator.PHYSICS, days=365, step=900.0, seed=4)
+    loop = close_loop(
+        data[["poa_global", "temp_air", "wind_speed", "temp_module"]],
+        location=Location(site.latitude, site.longitude),
+        surface_tilt=site.surface_tilt,
+        surface_azimuth=site.surface_azimuth,
+    )
+    (shape,) = (f for f in loop.finding_objects if f.effect == "wind_shape")
+    prior = CRITERIA.outside_probability
+    assert shape.added and shape.probabilities[OUTSIDE] < 1.2 * prior
+    table = loop.table["rmse_test"]
+    assert table.iloc[-1] < table[loop.base] - 0.05
+
+
+@pytest.mark.parametrize(
+    "name, of_usual",
+    [("wind_shape", True), ("natural_convection", True), ("rear_irradiance", False)],
+)
+def test_functions_of_the_usual_inputs_meet_no_table_of_these(name, of_usual):
+    days, hours = clock(120)
+    random = np.random.default_rng(1)
+    usual = {
+        key: random.uniform(1.0, 9.0, len(days))
+        for key in ("poa_global", "temp_air", "wind_speed")
+    }
+    made = design(random.normal(size=len(days)), {}, days, hours, **usual)
+    tables = [{a.name for a in kind} for kind in tables_met(made, EFFECTS[name])]
+    assert ({"poa_global", "wind_speed"} not in tables) == of_usual
+    assert ({"temp_air", "wind_speed"} not in tables) == of_usual
+    assert {"hour", "month"} in tables and set() in tables
 
 
 def test_what_stands_for_an_unknown_schedule_is_outside():

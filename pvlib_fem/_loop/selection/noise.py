@@ -23,7 +23,7 @@ from pvlib_fem._statistics.tables import (
     largest_table,
 )
 from pvlib_fem._statistics.weekly_sums import LeastSquares, products_with
-from pvlib_fem.drivers import needed_for, own_columns
+from pvlib_fem.drivers import MODELLED, needed_for, own_columns
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._instruments import INERTIA, OF_NO_COEFFICIENT, OFFSETS
 from pvlib_fem.effects._time_profiles import weights_of
@@ -402,8 +402,17 @@ def remaining_share(
 
 
 def tables_met(design: "Design", effect: Effect) -> Iterator[Kind]:
-    """Each table of unknown structure that an effect meets; () for weeks."""
-    yield from usual_tables(design.axes)
+    """
+    Each table of unknown structure that an effect meets; () for weeks.
+
+    What is a function of the usual inputs has no other conditions within the cells of
+    these: what remains there is the error of its law.
+    """
+    usual = {*COLUMNS[:3]}
+    of_usual = {*effect.drivers} <= {*usual, *MODELLED}
+    for kind in usual_tables(design.axes):
+        if not (of_usual and {axis.name for axis in kind} <= usual):
+            yield kind
     if not effect.sensor_fault and design.has_weeks:
         yield ()
     skip = {
