@@ -20,7 +20,7 @@ from study_worlds import TRACKERS
 
 from pvlib_fem.effects._time_profiles import day_number
 
-SHIFTS = (13610000, 13710000, 13810000, 13910000)  # of seeds, not looked at before
+SHIFTS = (16610000, 16710000, 16810000, 16910000)  # of seeds, not looked at before
 WRONG, MISLED = 0.003, 0.03  # most records with a wrong name, sets without the truth
 
 INTRO = """\
