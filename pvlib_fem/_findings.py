@@ -132,7 +132,8 @@ class CrossCheck:
     outcome : CheckOutcome
     unit : str
         ``"-"`` or ``"K"``, of a drift ``"-/year"`` or ``"K/year"``. Of dirt it is
-        ``"-/day"``, and the size is positive if dirt is on the sensor.
+        ``"-/day"``, and the size is positive if dirt is on the sensor. Of a standstill
+        the size is that of a usual day, by the light that it takes each day.
     """
 
     column: str

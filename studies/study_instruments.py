@@ -260,17 +260,17 @@ def page(table, first):
     yield f"| the change is identified, or a candidate | {share(there['found'])} |"
     yield f"| clear changes that are so | {share(seen['found'])} |"
     yield f"| changes that are the first finding | {share(there['first'])} |"
-    words = "wrong", "misled", "unfounded"
-    wrong, misled, unfounded = (table[name].map(bool) for name in words)
+    kinds = "wrong", "misled", "unfounded"
+    wrong, misled, unfounded = (table[kind].map(bool) for kind in kinds)
     yield f"| wrong names of a change | {share(wrong)} |"
     other = share(table["other"].map(bool))
     yield f"| names of another effect that is not there | {other} |"
-    yield f"| a set with changes, and not the true one | {share(misled)} |"
-    yield f"| and no other cause that is there | {share(unfounded)} |"
+    yield f"| a set with a change, without the true one | {share(misled)} |"
+    yield f"| a set with a change, without any true cause | {share(unfounded)} |"
     alarms = share((wrong | misled)[none.index])
-    yield f"| no change, and a set with one | {alarms} |"
+    yield f"| a set with a change, in a record without one | {alarms} |"
     alarms = share((wrong | unfounded)[none.index])
-    yield f"| and no other cause that is there | {alarms} |"
+    yield f"| the same, without any true cause | {alarms} |"
     inside = share(pd.Series([d[0] for d in dates]))
     yield f"| true date within the interval | {inside} |"
     yield ""

@@ -409,14 +409,13 @@ def tables_met(design: "Design", effect: Effect) -> Iterator[Kind]:
     these: what remains there is the error of its law.
     """
     usual = {*COLUMNS[:3]}
-    of_usual = {*effect.drivers} <= {*usual, *MODELLED}
-    for kind in usual_tables(design.axes):
-        if not (of_usual and {axis.name for axis in kind} <= usual):
-            yield kind
+    own = usual if {*effect.drivers} <= {*usual, *MODELLED} else set()
+    axes = {name: axis for name, axis in design.axes.items() if name not in own}
+    yield from usual_tables(axes)
     if not effect.sensor_fault and design.has_weeks:
         yield ()
     skip = {
-        *COLUMNS[:3],
+        *usual,
         *effect.drivers,
         *needed_for(effect.drivers),
         *CLOCK,
